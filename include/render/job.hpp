@@ -1,0 +1,74 @@
+// What to render. A RenderRequest holds what a person asked for; resolve_job fills in every default from the
+// scene and the request alone (never from the machine or the clock), which makes the RenderJob, and so the
+// image, reproducible.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "scene/description.hpp"
+
+namespace mlt {
+
+/// name, one-line description for the help text.
+#define MLT_INTEGRATOR_KINDS(X)                                                            \
+  X(path, "path tracing with next-event estimation and multiple importance sampling")      \
+  X(pssmlt, "primary-sample-space Metropolis light transport over the path tracer [Kelemen02]")
+
+enum class IntegratorKind : std::uint8_t {
+#define MLT_ENUMERATE(name, help) name,
+  MLT_INTEGRATOR_KINDS(MLT_ENUMERATE)
+#undef MLT_ENUMERATE
+};
+
+#define MLT_START_KINDS(X)                                                                     \
+  X(resampled, "every chain starts from a bootstrap path drawn in proportion to luminance")    \
+  X(first_hit, "every chain starts from the first path found that carries light")
+
+enum class StartKind : std::uint8_t {
+#define MLT_ENUMERATE(name, help) name,
+  MLT_START_KINDS(MLT_ENUMERATE)
+#undef MLT_ENUMERATE
+};
+
+inline constexpr std::uint32_t kMaxDepth = 256;      ///< path edges
+inline constexpr std::uint32_t kMaxThreads = 1024;
+inline constexpr std::uint32_t kMaxFilmSide = 65536; ///< pixels
+inline constexpr std::uint32_t kDefaultDepth = 8;    ///< path edges
+
+struct RenderRequest {
+  IntegratorKind integrator = IntegratorKind::pssmlt;
+  std::optional<std::uint32_t> width, height;         ///< pixels, 1 to kMaxFilmSide
+  std::optional<std::uint64_t> samples_per_pixel;     ///< path: samples; pssmlt: mutations; >= 1
+  std::optional<std::uint32_t> depth;                 ///< path edges from camera to light, 1 to kMaxDepth
+  std::optional<std::uint32_t> threads;               ///< 1 to kMaxThreads; default: the machine's cores
+  std::uint64_t seed = 0;
+  std::optional<std::uint32_t> chains;                ///< pssmlt
+  std::optional<std::uint64_t> bootstrap;             ///< pssmlt: bootstrap paths
+  float large_step = 0.2f;                            ///< pssmlt: probability in [0,1]
+  StartKind start = StartKind::resampled;             ///< pssmlt
+  std::optional<std::uint32_t> roulette;              ///< first path edge with Russian roulette; 0 switches it off
+  std::size_t memory_limit = std::size_t{4} << 30;    ///< bytes
+};
+
+struct RenderJob {
+  IntegratorKind integrator = IntegratorKind::pssmlt;
+  std::uint32_t width = 0, height = 0;
+  std::uint64_t samples_per_pixel = 0;
+  std::uint32_t depth = 0;
+  std::uint32_t threads = 0;  ///< the only field without influence on the image
+  std::uint64_t seed = 0;
+  std::uint32_t chains = 0;
+  std::uint64_t bootstrap = 0;
+  float large_step = 0;
+  StartKind start = StartKind::resampled;
+  std::uint32_t roulette = 0;
+  std::size_t memory_limit = 0;
+};
+
+/// Throws InputError (the option's name as file) when a value is out of range, ResourceError when the job
+/// exceeds the film's fixed-point headroom.
+RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene);
+
+}  // namespace mlt

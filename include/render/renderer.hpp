@@ -1,0 +1,76 @@
+// One render from scene description to developed image, in three steps with a line between them:
+// construction plans the memory, prepare() allocates it, compiles the scene and starts the workers, and
+// run() renders without allocating, locking, throwing or faulting.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/memory.hpp"
+#include "film/image_view.hpp"
+#include "render/job.hpp"
+
+namespace mlt {
+
+struct RenderProgress {
+  std::uint64_t done = 0;   ///< samples or mutations
+  std::uint64_t total = 0;
+  double seconds = 0;       ///< since run() began
+};
+
+/// Called about four times a second from the thread that called run(), between render begin and render end:
+/// it must not allocate, lock or throw.
+using ProgressCallback = void (*)(const RenderProgress& progress, void* context);
+
+struct RenderStatistics {
+  double wall_seconds = 0;
+  double cpu_seconds = 0;
+  std::uint64_t samples = 0;              ///< paths evaluated, bootstrap included
+  std::uint64_t mutations = 0;            ///< pssmlt
+  double b = 0;                           ///< mean luminance of the image, from bootstrap and large steps
+  double b_standard_error = 0;
+  double acceptance_large = 0;            ///< mean acceptance probability
+  double acceptance_small = 0;
+  std::uint64_t longest_rejection_run = 0;
+  std::uint64_t rejected_nan = 0;         ///< contributions by kind of defect
+  std::uint64_t rejected_infinite = 0;
+  std::uint64_t rejected_negative = 0;
+  std::uint64_t minor_faults = 0;         ///< page faults between render begin and render end, all threads
+  bool partial = false;                   ///< stopped before the end
+  bool black = false;                     ///< no path carried light
+  std::string film_hash;                  ///< 64 hexadecimal digits, SHA-256
+
+  std::uint64_t rejected_non_finite() const { return rejected_nan + rejected_infinite + rejected_negative; }
+};
+
+/// What `mlt info` prints: one line of name and value each.
+struct InfoLine {
+  std::string name;
+  std::string value;
+};
+
+class Renderer {
+ public:
+  /// Computes the memory plan and checks it against the job's limit. `scene` must outlive prepare().
+  Renderer(const SceneDescription& scene, const RenderJob& job);
+  ~Renderer();
+
+  const MemoryPlan& memory_plan() const;
+  /// Counts, features found, features skipped, dimensions per path.
+  std::vector<InfoLine> info() const;
+
+  void prepare();
+  /// `stop` is looked at before each chain or pixel block; `progress` may be null.
+  RenderStatistics run(const std::atomic<bool>& stop, ProgressCallback progress, void* context);
+  /// Valid after run() until the renderer is destroyed.
+  ImageView image() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mlt
