@@ -1,0 +1,13 @@
+#include "material/dielectric.hpp"
+
+#include "material/parameters.hpp"
+
+namespace mlt::dielectric_bsdf {
+
+void compile(const MaterialDescription& description, Material& material) {
+  require_in_range(description, "ior", description.ior, 1.0, 3.0);
+  material.ior = static_cast<float>(description.ior);
+  material.delta = true;
+}
+
+}  // namespace mlt::dielectric_bsdf

@@ -1,0 +1,12 @@
+#include "material/diffuse.hpp"
+
+#include "material/parameters.hpp"
+
+namespace mlt::diffuse_bsdf {
+
+void compile(const MaterialDescription& description, Material& material) {
+  require_in_range(description, "reflectance", description.reflectance, 0.0, 1.0);
+  material.reflectance = Vec3{description.reflectance};
+}
+
+}  // namespace mlt::diffuse_bsdf
