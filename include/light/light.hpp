@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
-#include "geometry/ray.hpp"
 #include "math/vec.hpp"
 
 namespace mlt {
+
+struct Quad;
+struct Triangle;
+struct Sphere;
 
 inline constexpr std::uint32_t kNoLight = 0xffffffffU;
 
@@ -36,12 +38,11 @@ struct LightSample {
   std::uint32_t light = kNoLight;
 };
 
-/// Lights from shapes, without a choice probability, which build_light_table sets. Corners in the order of
-/// the shape, counter-clockwise seen from the front; the fourth corner of a quad is b + d - a. A shape of
-/// area 0, or so small that float holds no normal for it, gives a light of area 0, which is never chosen.
-Light make_quad_light(const Vec3& a, const Vec3& b, const Vec3& d, const Vec3& radiance);
-Light make_triangle_light(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& radiance);
-Light make_sphere_light(const Vec3& center, float radius, const Vec3& radiance);
+/// Lights from world space shapes, without a choice probability, which build_light_table sets. A shape of
+/// area 0 gives a light of area 0, which is never chosen.
+Light make_quad_light(const Quad& quad, const Vec3& radiance);
+Light make_triangle_light(const Triangle& triangle, const Vec3& radiance);
+Light make_sphere_light(const Sphere& sphere, const Vec3& radiance);
 
 /// Radiance that the point of a light whose surface normal there is `normal` sends against `direction` (from
 /// the receiver towards the light): nothing from the back side.

@@ -26,9 +26,9 @@ double light_power(const Light& light);
 
 /// Sets each light's choice probability and fills `cdf` (of equal length). Each of n lights of positive power
 /// gets a share of 2^-24 and a part of the remaining 1 - n 2^-24 in proportion to its power, rounded to a
-/// multiple of 2^-24; a light of zero power gets 0. Throws ResourceError for n > kMaxLights. Sums run in
-/// index order.
-void build_light_table(std::span<Light> lights, std::span<float> cdf);
+/// multiple of 2^-24; a light of zero power gets 0. Returns the table of both spans. Throws ResourceError for
+/// n > kMaxLights. Sums run in index order.
+LightTable build_light_table(std::span<Light> lights, std::span<float> cdf);
 
 /// Index of the light whose interval holds u in [0,1); the number of lights when none has power.
 inline std::uint32_t choose_light(std::span<const float> cdf, float u) {

@@ -20,7 +20,7 @@ double light_power(const Light& light) {
   return std::isfinite(power) && power > 0.0 ? power : 0.0;
 }
 
-void build_light_table(std::span<Light> lights, std::span<float> cdf) {
+LightTable build_light_table(std::span<Light> lights, std::span<float> cdf) {
   MLT_CHECK_OP(lights.size(), ==, cdf.size());
   double total = 0;
   std::uint64_t emitting = 0;
@@ -47,6 +47,7 @@ void build_light_table(std::span<Light> lights, std::span<float> cdf) {
     cdf[i] = static_cast<float>(end) * 0x1p-24f;
     previous_end = end;
   }
+  return {lights, cdf};
 }
 
 }  // namespace mlt
