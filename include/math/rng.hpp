@@ -9,7 +9,13 @@
 namespace mlt {
 
 /// What a stream is for; part of its key.
-enum class StreamPurpose : std::uint32_t { kBootstrap = 1, kChain = 2, kSeedSelection = 3, kPixel = 4, kTest = 5 };
+enum class StreamPurpose : std::uint32_t {
+  kBootstrap = 1,
+  kChain = 2,
+  kSeedSelection = 3,
+  kPixel = 4,
+  kTest = 5
+};
 
 /// Bijective 64-bit finaliser, Stafford's mix 13 as used in SplitMix64 [Steele14].
 constexpr std::uint64_t mix64(std::uint64_t x) {
@@ -18,16 +24,19 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A 32-bit fixed-point number in [0,1) as a float in [0, 1-2^-24]: 24 bits are kept, so it never rounds to 1.
-inline float unit_float(std::uint32_t fixed) { return static_cast<float>(fixed >> 8) * 0x1p-24f; }
+/// A 32-bit fixed-point number in [0,1) as a float in [0, 1-2^-24]: 24 bits are kept, so it never rounds
+/// to 1.
+inline float unit_float(std::uint32_t fixed) {
+  return static_cast<float>(fixed >> 8) * 0x1p-24f;
+}
 
 class Rng {
  public:
   Rng() : Rng(0, StreamPurpose::kTest, 0) {}
 
   Rng(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index) {
-    const std::uint64_t key =
-        mix64(mix64(seed + 0x9e3779b97f4a7c15ULL) + 0xd1b54a32d192ed03ULL * static_cast<std::uint64_t>(purpose));
+    const std::uint64_t key = mix64(mix64(seed + 0x9e3779b97f4a7c15ULL) +
+                                    0xd1b54a32d192ed03ULL * static_cast<std::uint64_t>(purpose));
     const std::uint64_t low = mix64(index + key);
     const std::uint64_t high = mix64(low ^ mix64(key + 0x8cb92ba72f3d8dd7ULL));
     state_[0] = static_cast<std::uint32_t>(low);
@@ -49,6 +58,12 @@ class Rng {
     state_[2] ^= shifted;
     state_[3] = rotate_left(state_[3], 11);
     return result;
+  }
+
+  /// 64 bits at once, as a key of further hashes.
+  std::uint64_t next_key() {
+    const std::uint64_t low = next_fixed();
+    return std::uint64_t{next_fixed()} << 32 | low;
   }
 
   /// Uniform in [0, 1-2^-24], a multiple of 2^-24.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "markov/mutation.hpp"
 #include "scene/description.hpp"
 
 namespace mlt {
@@ -32,6 +33,10 @@ enum class StartKind : std::uint8_t {
 #undef MLT_ENUMERATE
 };
 
+inline constexpr std::uint64_t kMaxMutations = std::uint64_t{1} << 31;  ///< of a whole job; film headroom
+inline constexpr std::uint64_t kMaxSamplesPerPixel = std::uint64_t{1} << 30;
+inline constexpr std::uint32_t kMaxChains = 1U << 20;
+inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< paths
 inline constexpr std::uint32_t kMaxDepth = 256;      ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::uint32_t kMaxFilmSide = 65536; ///< pixels
@@ -48,6 +53,7 @@ struct RenderRequest {
   std::optional<std::uint64_t> bootstrap;             ///< pssmlt: bootstrap paths
   float large_step = 0.2f;                            ///< pssmlt: probability in [0,1]
   StartKind start = StartKind::resampled;             ///< pssmlt
+  MutationKind mutation = MutationKind::kelemen;      ///< pssmlt: kind of small step
   std::optional<std::uint32_t> roulette;              ///< first path edge with Russian roulette; 0 switches it off
   std::size_t memory_limit = std::size_t{4} << 30;    ///< bytes
 };
@@ -63,7 +69,8 @@ struct RenderJob {
   std::uint64_t bootstrap = 0;
   float large_step = 0;
   StartKind start = StartKind::resampled;
-  std::uint32_t roulette = 0;
+  MutationKind mutation = MutationKind::kelemen;
+  std::uint32_t roulette = 0;  ///< 0: off
   std::size_t memory_limit = 0;
 };
 

@@ -1,0 +1,81 @@
+// The Metropolis film: 64-bit fixed point, one per worker, summed at the end. Integer addition commutes, so
+// the sum has the same bits for any schedule and any number of workers. Values are F / (I + p w) with weights
+// in [0,1] per mutation, so a channel of one splat is at most 1 / 0.0722 < 14, whatever the scene's
+// brightness; the fraction bits follow from the job's number of mutations so that no sum can overflow.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/assert.hpp"
+#include "math/vec.hpp"
+
+namespace mlt {
+
+struct FilmPixel {
+  std::int64_t metropolis[3] = {0, 0, 0};  ///< developed with the final b
+  std::int64_t uniform[3] = {0, 0, 0};     ///< large steps; developed with the frozen b of the weights
+};
+
+inline constexpr std::uint32_t kMinFractionBits = 28;
+inline constexpr std::uint32_t kMaxFractionBits = 40;
+
+/// Fraction bits for a film that takes `mutations` mutations (>= 1) in all; below kMinFractionBits when there
+/// is no headroom for so many. With 2^k >= mutations, all of them in one pixel sum to at most
+/// 14 * 2^(k + bits) plus 2^(k - 1) of rounding, which is below 2^63 for k + bits = 59.
+constexpr std::uint32_t film_fraction_bits(std::uint64_t mutations) {
+  std::uint32_t count_bits = 0;
+  while (count_bits < 59 && (std::uint64_t{1} << count_bits) < mutations) ++count_bits;
+  const std::uint32_t bits = 59 - count_bits;
+  return bits < kMaxFractionBits ? bits : kMaxFractionBits;
+}
+
+/// A double in [0, 14 * 2^59] to the nearest integer (ties up).
+inline std::int64_t to_fixed(double scaled) {
+  MLT_CHECK_OP(scaled, >=, 0.0);
+  MLT_CHECK_OP(scaled, <=, 14.0 * 0x1p59);
+  return static_cast<std::int64_t>(scaled + 0.5);
+}
+
+class FixedFilm {
+ public:
+  FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits)
+      : pixels_(pixels), scale_(static_cast<double>(std::uint64_t{1} << fraction_bits)) {}
+
+  void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight, double uniform_weight) {
+    MLT_CHECK_OP(pixel, <, pixels_.size());
+    FilmPixel& target = pixels_[pixel];
+    if (metropolis_weight != 0.0) add(target.metropolis, value, metropolis_weight);
+    if (uniform_weight != 0.0) add(target.uniform, value, uniform_weight);
+  }
+
+  std::span<FilmPixel> pixels() const { return pixels_; }
+
+ private:
+  void add(std::int64_t* sums, const Vec3& value, double weight) {
+    const double scaled = weight * scale_;
+    sums[0] += to_fixed(static_cast<double>(value.x) * scaled);
+    sums[1] += to_fixed(static_cast<double>(value.y) * scaled);
+    sums[2] += to_fixed(static_cast<double>(value.z) * scaled);
+  }
+
+  std::span<FilmPixel> pixels_;
+  double scale_;
+};
+
+/// Adds pixels [first, last) of `source` to `sum`.
+void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std::size_t first, std::size_t last);
+
+/// What turns the sums into radiance: pixels * (b * metropolis + w * uniform) / (mutations * 2^bits).
+struct FilmNormalisation {
+  double b = 0;
+  double weight_b = 0;
+  std::uint64_t mutations = 0;
+  std::uint32_t fraction_bits = 0;
+};
+
+/// Develops pixels [first, last) of a summed film.
+void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation, std::span<Vec3> image,
+                  std::size_t first, std::size_t last);
+
+}  // namespace mlt

@@ -1,0 +1,35 @@
+// What a compiled scene contains, as a bit mask. Kernels are compiled for each mask and chosen once before
+// rendering, so that a scene pays neither a branch nor a primary sample for what it does not contain.
+#pragma once
+
+#include <cstdint>
+
+namespace mlt {
+
+/// bit, what it means in `mlt info` when present, and when absent.
+#define MLT_FEATURES(X)                                                                             \
+  X(general_geometry, "triangles, spheres or a bounding volume hierarchy", "flat list of quads only") \
+  X(general_materials, "materials other than diffuse", "diffuse materials only")                     \
+  X(lobe_choice, "materials with several lobes", "no choice between lobes")                          \
+  X(many_lights, "several emitting primitives", "at most one emitting primitive")                    \
+  X(roulette, "Russian roulette", "no Russian roulette")
+
+enum class FeatureBit : std::uint32_t {
+#define MLT_ENUMERATE(name, present, absent) name,
+  MLT_FEATURES(MLT_ENUMERATE)
+#undef MLT_ENUMERATE
+      count
+};
+
+using FeatureMask = std::uint32_t;
+
+constexpr FeatureMask feature(FeatureBit bit) { return FeatureMask{1} << static_cast<std::uint32_t>(bit); }
+constexpr bool has(FeatureMask mask, FeatureBit bit) { return (mask & feature(bit)) != 0; }
+inline constexpr FeatureMask kFeatureMaskCount = FeatureMask{1} << static_cast<std::uint32_t>(FeatureBit::count);
+
+/// A choice between lobes exists only among materials other than diffuse.
+constexpr bool is_consistent(FeatureMask mask) {
+  return !has(mask, FeatureBit::lobe_choice) || has(mask, FeatureBit::general_materials);
+}
+
+}  // namespace mlt

@@ -1,0 +1,125 @@
+// The bootstrap: many independent paths that estimate b, the integral of the target function, and from which
+// chains start with probability proportional to luminance. Luminances are not stored: paths are summed in
+// chunks of fixed size, and a chain that starts replays the one chunk that its position falls into.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/assert.hpp"
+#include "integrator/sampler.hpp"
+#include "markov/contribution.hpp"
+#include "math/rng.hpp"
+
+namespace mlt {
+
+inline constexpr std::uint64_t kBootstrapChunk = 64;  ///< paths
+
+struct BootstrapChunk {
+  double sum = 0;          ///< of luminance, in index order
+  double sum_squares = 0;
+  double cumulative = 0;   ///< sum of all chunks before this one; filled by accumulate_bootstrap
+  DefectCounts defects;
+};
+
+/// Moments of the luminance of independent paths.
+struct LuminanceMoments {
+  double sum = 0;
+  double sum_squares = 0;
+  std::uint64_t count = 0;
+
+  void add(double luminance_value) {
+    sum += luminance_value;
+    sum_squares += luminance_value * luminance_value;
+    count += 1;
+  }
+  void add(const LuminanceMoments& other) {
+    sum += other.sum;
+    sum_squares += other.sum_squares;
+    count += other.count;
+  }
+  double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+  /// Standard error of the mean; 0 for fewer than two paths.
+  double standard_error() const {
+    if (count < 2) return 0.0;
+    const double n = static_cast<double>(count);
+    const double variance = (sum_squares - sum * sum / n) / (n - 1.0);
+    return variance > 0.0 ? std::sqrt(variance / n) : 0.0;
+  }
+};
+
+/// Where a chain starts: a bootstrap path, and the luminance that its replay must reproduce bit for bit.
+struct SeedPath {
+  std::uint64_t index = 0;
+  float target = 0;
+};
+
+inline Rng bootstrap_stream(std::uint64_t seed, std::uint64_t path_index) {
+  return Rng(seed, StreamPurpose::kBootstrap, path_index);
+}
+
+constexpr std::uint64_t bootstrap_chunk_count(std::uint64_t paths) {
+  return (paths + kBootstrapChunk - 1) / kBootstrapChunk;
+}
+
+/// Calls visit(path index, target) for each path of a chunk, in order.
+template <class Integrator, class Visit>
+void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std::uint64_t chunk_index,
+                           std::uint64_t paths, Contribution& contribution, DefectCounts& defects,
+                           Visit&& visit) {
+  const std::uint64_t first = chunk_index * kBootstrapChunk;
+  const std::uint64_t last = first + kBootstrapChunk < paths ? first + kBootstrapChunk : paths;
+  for (std::uint64_t index = first; index < last; ++index) {
+    IndependentSampler sampler(bootstrap_stream(seed, index));
+    evaluate_into(integrator, sampler, contribution, defects);
+    visit(index, contribution.target());
+  }
+}
+
+template <class Integrator>
+BootstrapChunk evaluate_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed,
+                                        std::uint64_t chunk_index, std::uint64_t paths,
+                                        Contribution& contribution) {
+  BootstrapChunk chunk;
+  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, chunk.defects,
+                        [&chunk](std::uint64_t, float target) {
+                          const double value = target;
+                          chunk.sum += value;
+                          chunk.sum_squares += value * value;
+                        });
+  return chunk;
+}
+
+/// Fills the cumulative sums and returns the moments of all paths.
+LuminanceMoments accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uint64_t paths);
+
+/// The chunk in which `position` (in [0, total luminance)) falls; it has a positive sum.
+std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, double position);
+
+/// Systematic resampling over all chains: chain c of C takes position (c + u) / C of the total [Kelemen02
+/// section 3.1 starts from one such path; one stratum for each chain lowers the variance of the starts].
+double seed_position(std::uint64_t seed, std::uint64_t chain, std::uint64_t chains, double total);
+
+/// Replays a chunk to find the path at `position`. The replay must reproduce the chunk's sum bit for bit.
+template <class Integrator>
+SeedPath find_seed_path(const Integrator& integrator, std::uint64_t seed, std::uint64_t paths,
+                        std::span<const BootstrapChunk> chunks, double position, Contribution& contribution) {
+  const std::uint64_t chunk_index = find_bootstrap_chunk(chunks, position);
+  const BootstrapChunk& chunk = chunks[chunk_index];
+  SeedPath found;
+  bool passed = false;
+  double sum = 0;
+  DefectCounts ignored;
+  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, ignored,
+                        [&](std::uint64_t index, float target) {
+                          sum += static_cast<double>(target);
+                          // Rounding may leave the position just behind the last path: then that one is taken.
+                          if (!passed && target > 0.0f) found = SeedPath{index, target};
+                          passed = passed || chunk.cumulative + sum > position;
+                        });
+  MLT_CHECK_OP(sum, ==, chunk.sum);
+  MLT_CHECK_OP(found.target, >, 0.0f);
+  return found;
+}
+
+}  // namespace mlt

@@ -1,0 +1,117 @@
+// The state of a Metropolis chain: a lazily mutated vector of primary samples [Kelemen02 section 3]. Each
+// sample carries the time of its last change; a small step brings a sample up to date only when a path asks
+// for it, one mutation for each accepted step that it missed, so that its distribution is the same as if it
+// had been mutated every time. Rejected proposals are undone from a stack of fixed capacity.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/assert.hpp"
+#include "integrator/sampler.hpp"
+#include "markov/mutation.hpp"
+#include "math/rng.hpp"
+
+namespace mlt {
+
+struct PrimarySample {
+  std::uint64_t time = 0;   ///< accepted step of the last change; 0: never set
+  std::uint32_t value = 0;  ///< 32-bit fixed point in [0,1)
+};
+
+/// What a proposal overwrote.
+struct SavedSample {
+  PrimarySample sample;
+  std::uint32_t index = 0;
+};
+
+template <class Mutation>
+class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
+ public:
+  /// Both spans have the capacity that the integrator states; their contents are overwritten. `first_time`
+  /// is where time starts (at least 1).
+  PrimarySampleVector(std::span<PrimarySample> samples, std::span<SavedSample> saved, Rng rng,
+                      std::uint64_t first_time = 1)
+      : samples_(samples), saved_(saved), rng_(rng), time_(first_time), large_step_time_(first_time) {
+    MLT_CHECK_OP(samples.size(), ==, saved.size());
+    MLT_CHECK_OP(first_time, >=, 1U);
+    for (PrimarySample& sample : samples_) sample = PrimarySample{};
+  }
+
+  /// Draws the first state's samples from `source`, in the order in which the path asks for them, exactly as
+  /// IndependentSampler would.
+  void begin_initial(Rng source) {
+    initial_ = source;
+    mode_ = Mode::kInitial;
+    cursor_ = 0;
+    saved_count_ = 0;
+  }
+  void end_initial() { mode_ = Mode::kSmall; }
+
+  void begin_proposal(bool large_step) {
+    mode_ = large_step ? Mode::kLarge : Mode::kSmall;
+    cursor_ = 0;
+    saved_count_ = 0;
+    time_ += 1;
+  }
+
+  std::uint32_t next_fixed() {
+    MLT_CHECK_OP(cursor_, <, samples_.size());
+    const std::uint32_t index = cursor_++;
+    PrimarySample& sample = samples_[index];
+    switch (mode_) {
+      case Mode::kInitial:
+        sample = PrimarySample{time_, initial_.next_fixed()};
+        return sample.value;
+      case Mode::kLarge:
+        saved_[saved_count_++] = SavedSample{sample, index};
+        sample.value = rng_.next_fixed();
+        break;
+      case Mode::kSmall:
+        catch_up(sample);
+        saved_[saved_count_++] = SavedSample{sample, index};
+        sample.value += Mutation::step(rng_);
+        break;
+    }
+    sample.time = time_;
+    return sample.value;
+  }
+
+  void skip(std::uint32_t count) { cursor_ += count; }
+
+  void accept() {
+    if (mode_ == Mode::kLarge) large_step_time_ = time_;
+  }
+
+  void reject() {
+    while (saved_count_ > 0) {
+      const SavedSample& saved = saved_[--saved_count_];
+      samples_[saved.index] = saved.sample;
+    }
+    time_ -= 1;
+  }
+
+  Rng& rng() { return rng_; }
+
+ private:
+  enum class Mode : std::uint8_t { kInitial, kLarge, kSmall };
+
+  /// Brings a sample to the current state, one step before the proposal. A sample older than the last large
+  /// step, or never asked for, is uniform and independent of all others.
+  void catch_up(PrimarySample& sample) {
+    if (sample.time < large_step_time_) sample = PrimarySample{large_step_time_, rng_.next_fixed()};
+    for (; sample.time + 1 < time_; ++sample.time) sample.value += Mutation::step(rng_);
+  }
+
+  std::span<PrimarySample> samples_;
+  std::span<SavedSample> saved_;
+  Rng rng_;
+  Rng initial_;
+  std::uint64_t time_;
+  std::uint64_t large_step_time_;
+  std::uint32_t cursor_ = 0;
+  std::uint32_t saved_count_ = 0;
+  Mode mode_ = Mode::kSmall;
+};
+
+}  // namespace mlt

@@ -1,0 +1,75 @@
+// Kernels: the render's inner work, compiled once for each set of features (integrator/features.hpp) and
+// mutation kind, chosen before rendering. A kernel reads and writes the storage that RenderStorage lists and
+// nothing else.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+
+#include "film/fixed_film.hpp"
+#include "film/pixel_film.hpp"
+#include "integrator/features.hpp"
+#include "integrator/path.hpp"
+#include "markov/bootstrap.hpp"
+#include "markov/chain.hpp"
+#include "render/job.hpp"
+#include "world/world.hpp"
+
+namespace mlt {
+
+inline constexpr std::uint32_t kTileSide = 16;  ///< pixels; the path tracer's unit of work
+
+/// What the path tracer counts for each tile.
+struct TileStatistics {
+  LuminanceMoments luminance;
+  DefectCounts defects;
+};
+
+/// Storage of one worker; never shared.
+struct WorkerStorage {
+  ChainWorkspace chain;
+  std::span<FilmPixel> film;
+};
+
+/// All that kernels work on, in the arena.
+struct RenderStorage {
+  const World* world = nullptr;
+  RenderJob job;
+  PathSettings path;
+  std::span<WorkerStorage> workers;
+
+  // PSSMLT
+  std::span<BootstrapChunk> bootstrap;
+  std::span<ChainStatistics> chains;
+  LuminanceMoments bootstrap_moments;
+  std::uint64_t mutations = 0;      ///< of all chains
+  std::uint32_t fraction_bits = 0;
+
+  // Path tracer
+  std::span<PixelSum> pixels;
+  std::span<TileStatistics> tiles;
+
+  std::span<Vec3> image;
+  std::atomic<std::uint64_t> done{0};  ///< samples or mutations finished, raised once a unit
+};
+
+/// Mutations of chain `index`: the job's total, spread evenly, the remainder over the first chains.
+constexpr std::uint64_t chain_length(std::uint64_t mutations, std::uint64_t chains, std::uint64_t index) {
+  return mutations / chains + (index < mutations % chains ? 1 : 0);
+}
+
+constexpr std::uint32_t tile_count(std::uint32_t side) { return (side + kTileSide - 1) / kTileSide; }
+
+/// One unit each, for a RenderStorage as context.
+struct Kernel {
+  std::uint32_t (*primary_sample_capacity)(std::uint32_t depth) = nullptr;
+  std::uint32_t max_splats = 0;
+  void (*bootstrap_chunk)(void* storage, std::uint32_t worker, std::uint64_t chunk) = nullptr;
+  void (*chain)(void* storage, std::uint32_t worker, std::uint64_t chain) = nullptr;
+  void (*tile)(void* storage, std::uint32_t worker, std::uint64_t tile) = nullptr;
+};
+
+Kernel select_kernel(FeatureMask features, MutationKind mutation);
+
+}  // namespace mlt

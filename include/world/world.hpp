@@ -1,0 +1,93 @@
+// The compiled scene: everything that rendering reads, in the arena, immutable after compile_world. World
+// space is the scene centred on its bounding box and scaled by a power of two to about [-1,1]^3, which keeps
+// float precision relative to the scene's size wherever and however large it was modelled. Radiance does not
+// change under uniform scaling, so no result needs scaling back.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/memory.hpp"
+#include "geometry/geometry.hpp"
+#include "light/light.hpp"
+#include "light/light_table.hpp"
+#include "material/material.hpp"
+#include "scene/description.hpp"
+
+namespace mlt {
+
+/// What a primitive index stands for.
+struct PrimitiveRecord {
+  std::uint32_t material = 0;     ///< index into World::materials
+  std::uint32_t light = kNoLight; ///< index into the light table
+};
+
+/// Where on the film a path starts: the pixel, and the position within it in [0,1).
+struct FilmPosition {
+  std::uint32_t x = 0, y = 0;
+  Vec2 offset{0, 0};
+};
+
+/// Pinhole camera: the direction through a film position (measured in pixels from the upper left corner) is
+/// corner + x * step_x + y * step_y, not normalised.
+struct Camera {
+  Vec3 eye{0, 0, 0};
+  Vec3 corner{0, 0, -1};
+  Vec3 step_x{0, 0, 0};
+  Vec3 step_y{0, 0, 0};
+  std::uint32_t width = 1, height = 1;  ///< pixels
+
+  /// Primary samples (32-bit fixed point in [0,1)) to film position; exact.
+  FilmPosition film_position(std::uint32_t sample_x, std::uint32_t sample_y) const {
+    const std::uint64_t x = std::uint64_t{sample_x} * width;
+    const std::uint64_t y = std::uint64_t{sample_y} * height;
+    return {static_cast<std::uint32_t>(x >> 32), static_cast<std::uint32_t>(y >> 32),
+            Vec2{unit_float(static_cast<std::uint32_t>(x)), unit_float(static_cast<std::uint32_t>(y))}};
+  }
+
+  /// Unit direction.
+  Vec3 direction(const FilmPosition& position) const {
+    const float x = static_cast<float>(position.x) + position.offset.x;
+    const float y = static_cast<float>(position.y) + position.offset.y;
+    return normalize((corner + step_x * x) + step_y * y);
+  }
+};
+
+struct World {
+  Camera camera;
+  Geometry geometry;
+  std::span<const Material> materials;
+  std::span<const PrimitiveRecord> primitives;
+  LightTable lights;
+};
+
+/// What the scene contains, known before anything is compiled; fixes memory and features.
+struct WorldCounts {
+  GeometryCounts geometry;
+  std::uint32_t materials = 0;
+  std::uint32_t lights = 0;              ///< emitting primitives
+  std::uint32_t used_kinds[8] = {};      ///< primitives per MaterialKind, indexed by the enum
+  std::uint32_t multi_lobe_primitives = 0;
+};
+
+struct WorldSlots {
+  GeometrySlots geometry;
+  Slot<Quad> quads;
+  Slot<Triangle> triangles;
+  Slot<Sphere> spheres;
+  Slot<Material> materials;
+  Slot<PrimitiveRecord> primitives;
+  Slot<Light> lights;
+  Slot<float> light_cdf;
+};
+
+WorldCounts count_world(const SceneDescription& scene);
+
+/// Adds the world's blocks; sizes follow from the counts alone.
+WorldSlots plan_world(MemoryPlan& plan, const WorldCounts& counts);
+
+/// Compiles `scene` for a film of width x height pixels. Uses the plan's scratch blocks, and no heap.
+World compile_world(const SceneDescription& scene, const WorldCounts& counts, std::uint32_t width,
+                    std::uint32_t height, Arena& arena, const WorldSlots& slots);
+
+}  // namespace mlt

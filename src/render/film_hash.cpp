@@ -1,0 +1,45 @@
+#include "render/film_hash.hpp"
+
+#include <bit>
+
+#include "base/sha256.hpp"
+
+namespace mlt {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the hash is defined on little-endian bytes");
+
+constexpr std::uint64_t kMetropolisFormat = 0x31746c6d74656dULL;  // "metmlt1"
+constexpr std::uint64_t kPathFormat = 0x31746c6d687470ULL;        // "pthmlt1"
+
+void update(Sha256& hash, std::uint64_t word) { hash.update(&word, sizeof word); }
+
+Sha256 begin(std::uint64_t format, const RenderStorage& storage) {
+  Sha256 hash;
+  update(hash, format);
+  update(hash, storage.job.width);
+  update(hash, storage.job.height);
+  return hash;
+}
+
+}  // namespace
+
+std::string hash_metropolis_film(const RenderStorage& storage, const FilmNormalisation& normalisation) {
+  Sha256 hash = begin(kMetropolisFormat, storage);
+  update(hash, normalisation.mutations);
+  update(hash, normalisation.fraction_bits);
+  update(hash, std::bit_cast<std::uint64_t>(normalisation.b));
+  update(hash, std::bit_cast<std::uint64_t>(normalisation.weight_b));
+  const std::span<const FilmPixel> film = storage.workers[0].film;
+  hash.update(film.data(), film.size_bytes());
+  return to_hex(hash.finish());
+}
+
+std::string hash_path_film(const RenderStorage& storage) {
+  Sha256 hash = begin(kPathFormat, storage);
+  update(hash, storage.job.samples_per_pixel);
+  hash.update(storage.pixels.data(), storage.pixels.size_bytes());
+  return to_hex(hash.finish());
+}
+
+}  // namespace mlt

@@ -1,0 +1,109 @@
+#include "render/job.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/error.hpp"
+#include "film/fixed_film.hpp"
+
+namespace mlt {
+namespace {
+
+// Defaults that follow from the job alone; the measurements behind them are in docs/ARCHITECTURE.md.
+constexpr std::uint64_t kDefaultSamplesPerPixel = 64;
+constexpr std::uint64_t kDefaultMutationsPerPixel = 100;
+constexpr std::uint32_t kDefaultChains = 256;
+constexpr std::uint64_t kMinDefaultChainLength = 256;     ///< mutations
+constexpr std::uint64_t kMinDefaultBootstrap = 16384;     ///< paths
+constexpr std::uint64_t kBootstrapShare = 10;             ///< a tenth of the mutations
+constexpr std::uint32_t kDefaultRouletteEdge = 8;
+
+/// Collects what is wrong with a request, so that all of it is reported at once.
+class RequestChecker {
+ public:
+  void check(bool valid, const std::string& option, const std::string& found, const std::string& allowed) {
+    if (!valid) faults_.push_back({option, 0, 0, "found " + found + ", allowed is " + allowed});
+  }
+
+  template <class T>
+  T in_range(const std::string& option, T value, T low, T high) {
+    check(value >= low && value <= high, option, std::to_string(value),
+          std::to_string(low) + " to " + std::to_string(high));
+    return value;
+  }
+
+  void finish() const {
+    if (!faults_.empty()) throw InputError(faults_);
+  }
+
+ private:
+  std::vector<Diagnostic> faults_;
+};
+
+std::uint32_t available_threads() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
+  return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&set)));
+}
+
+void require_headroom(std::uint64_t mutations) {
+  if (film_fraction_bits(mutations) >= kMinFractionBits) return;
+  throw ResourceError("--mutations: the job makes " + std::to_string(mutations) +
+                      " mutations and the film's fixed point has room for " + std::to_string(kMaxMutations) +
+                      "; render with several seeds and average the images");
+}
+
+}  // namespace
+
+RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene) {
+  static_assert(film_fraction_bits(kMaxMutations) == kMinFractionBits);
+  const bool metropolis = request.integrator == IntegratorKind::pssmlt;
+  RequestChecker checker;
+  RenderJob job;
+  job.integrator = request.integrator;
+  job.width = checker.in_range("--width", request.width.value_or(scene.film_width), 1U, kMaxFilmSide);
+  job.height = checker.in_range("--height", request.height.value_or(scene.film_height), 1U, kMaxFilmSide);
+  job.samples_per_pixel = checker.in_range(
+      metropolis ? "--mutations" : "--spp",
+      request.samples_per_pixel.value_or(metropolis ? kDefaultMutationsPerPixel : kDefaultSamplesPerPixel),
+      std::uint64_t{1}, kMaxSamplesPerPixel);
+  job.depth =
+      checker.in_range("--depth", request.depth.value_or(scene.depth.value_or(kDefaultDepth)), 1U, kMaxDepth);
+  job.threads =
+      checker.in_range("--threads", request.threads.value_or(std::min(available_threads(), kMaxThreads)), 1U,
+                       kMaxThreads);
+  job.seed = request.seed;
+  checker.check(request.large_step >= 0.0f && request.large_step <= 1.0f, "--large-step",
+                std::to_string(request.large_step), "0 to 1");
+  job.large_step = request.large_step;
+  job.start = request.start;
+  job.mutation = request.mutation;
+  // Roulette that could only start behind the longest path would waste a primary sample a vertex.
+  job.roulette = checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
+  if (job.roulette >= job.depth) job.roulette = 0;
+  job.memory_limit = request.memory_limit;
+  checker.finish();
+
+  if (metropolis) {
+    const std::uint64_t pixels = std::uint64_t{job.width} * job.height;
+    const std::uint64_t mutations = pixels * job.samples_per_pixel;
+    const std::uint64_t fitting = std::max<std::uint64_t>(1, mutations / kMinDefaultChainLength);
+    const auto default_chains = static_cast<std::uint32_t>(std::min<std::uint64_t>(kDefaultChains, fitting));
+    job.chains = checker.in_range("--chains", request.chains.value_or(default_chains), 1U, kMaxChains);
+    job.bootstrap = checker.in_range(
+        "--bootstrap",
+        request.bootstrap.value_or(std::max(kMinDefaultBootstrap, mutations / kBootstrapShare)),
+        std::uint64_t{1}, kMaxBootstrap);
+    checker.finish();
+    require_headroom(mutations);
+    checker.check(job.chains <= mutations, "--chains", std::to_string(job.chains),
+                  "at most one chain a mutation, " + std::to_string(mutations));
+    checker.finish();
+  }
+  return job;
+}
+
+}  // namespace mlt

@@ -1,0 +1,132 @@
+// The kernels' bodies, instantiated by kernel_*.cpp; each of these compiles a share of the feature masks.
+#pragma once
+
+#include "integrator/pixel_sampler.hpp"
+#include "render/kernel.hpp"
+
+namespace mlt {
+
+template <FeatureMask kFeatures>
+void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
+  auto& storage = *static_cast<RenderStorage*>(context);
+  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  Contribution contribution(storage.workers[worker].chain.proposed);
+  replay_context().unit = chunk;
+  storage.bootstrap[chunk] = evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk,
+                                                      storage.job.bootstrap, contribution);
+}
+
+template <FeatureMask kFeatures>
+SeedPath find_start(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+                    const WorkerStorage& own, std::uint64_t chain) {
+  // The first path that carries light lies where the cumulative luminance is still 0.
+  const double position =
+      storage.job.start == StartKind::first_hit
+          ? 0.0
+          : seed_position(storage.job.seed, chain, storage.job.chains, storage.bootstrap_moments.sum);
+  Contribution contribution(own.chain.proposed);
+  return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
+                        contribution);
+}
+
+template <FeatureMask kFeatures, MutationKind kMutation>
+void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
+  auto& storage = *static_cast<RenderStorage*>(context);
+  const WorkerStorage& own = storage.workers[worker];
+  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  const SeedPath start = find_start(integrator, storage, own, index);
+  FixedFilm film(own.film, storage.fraction_bits);
+  ChainSettings settings;
+  settings.seed = storage.job.seed;
+  settings.chain_index = index;
+  settings.mutations = chain_length(storage.mutations, storage.job.chains, index);
+  settings.large_step = storage.job.large_step;
+  settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
+  Chain<Mutation<kMutation>, PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain, film);
+  storage.chains[index] = chain.run(start);
+  storage.done.fetch_add(settings.mutations, std::memory_order_relaxed);
+}
+
+/// All samples of one pixel, in order.
+template <FeatureMask kFeatures>
+void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+                  PixelSampler& sampler, std::uint32_t x, std::uint32_t y, TileStatistics& statistics) {
+  const std::uint32_t pixel = y * storage.job.width + x;
+  PixelSum sum;
+  for (std::uint64_t i = 0; i < storage.job.samples_per_pixel; ++i) {
+    sampler.start(x, y, static_cast<std::uint32_t>(i));
+    integrator.evaluate(sampler, [&](const Splat& splat) {
+      MLT_CHECK_OP(splat.pixel, ==, pixel);
+      if (statistics.defects.reject(splat.value)) {
+        statistics.luminance.add(0.0);
+        return;
+      }
+      sum.add(splat.value);
+      statistics.luminance.add(luminance(splat.value));
+    });
+  }
+  storage.pixels[pixel] = sum;
+  storage.image[pixel] = develop_pixel(sum, storage.job.samples_per_pixel);
+}
+
+template <FeatureMask kFeatures>
+void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
+  auto& storage = *static_cast<RenderStorage*>(context);
+  const RenderJob& job = storage.job;
+  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  PixelSampler sampler(job.seed, job.width, job.height, job.samples_per_pixel);
+  const std::uint32_t tiles_across = tile_count(job.width);
+  const std::uint32_t first_x = static_cast<std::uint32_t>(tile % tiles_across) * kTileSide;
+  const std::uint32_t first_y = static_cast<std::uint32_t>(tile / tiles_across) * kTileSide;
+  const std::uint32_t last_x = first_x + kTileSide < job.width ? first_x + kTileSide : job.width;
+  const std::uint32_t last_y = first_y + kTileSide < job.height ? first_y + kTileSide : job.height;
+  replay_context().unit = tile;
+  TileStatistics statistics;
+  for (std::uint32_t y = first_y; y < last_y; ++y) {
+    for (std::uint32_t x = first_x; x < last_x; ++x) {
+      render_pixel(integrator, storage, sampler, x, y, statistics);
+    }
+  }
+  storage.tiles[tile] = statistics;
+  storage.done.fetch_add(std::uint64_t{last_x - first_x} * (last_y - first_y) * job.samples_per_pixel,
+                         std::memory_order_relaxed);
+}
+
+template <FeatureMask kFeatures>
+Kernel make_kernel(MutationKind mutation) {
+  using Integrator = PathIntegrator<kFeatures>;
+  Kernel kernel;
+  kernel.primary_sample_capacity = &Integrator::primary_sample_capacity;
+  kernel.max_splats = Integrator::kMaxSplats;
+  kernel.bootstrap_chunk = &run_bootstrap_chunk<kFeatures>;
+  kernel.tile = &run_tile<kFeatures>;
+  switch (mutation) {
+#define MLT_CASE(name, help)                                       \
+  case MutationKind::name:                                         \
+    kernel.chain = &run_chain<kFeatures, MutationKind::name>;      \
+    break;
+    MLT_MUTATION_KINDS(MLT_CASE)
+#undef MLT_CASE
+  }
+  return kernel;
+}
+
+inline constexpr FeatureMask kKernelGroups = 4;
+inline constexpr FeatureMask kMasksPerGroup = kFeatureMaskCount / kKernelGroups;
+
+/// The kernel of `features` from the masks of one group; the mask must lie in it and be consistent.
+template <FeatureMask kGroup, FeatureMask kIndex = 0>
+Kernel kernel_of_group(FeatureMask features, MutationKind mutation) {
+  constexpr FeatureMask kMask = kGroup * kMasksPerGroup + kIndex;
+  if constexpr (is_consistent(kMask)) {
+    if (features == kMask) return make_kernel<kMask>(mutation);
+  }
+  if constexpr (kIndex + 1 < kMasksPerGroup) {
+    return kernel_of_group<kGroup, kIndex + 1>(features, mutation);
+  } else {
+    MLT_CHECK_OP(features, ==, kMask);
+    return {};
+  }
+}
+
+}  // namespace mlt
