@@ -1,16 +1,22 @@
-# Builds mlt and its tests. A variant is a compiler with flags and has a folder of its own below build/:
-#   make                          build/mlt, the release variant
-#   make VARIANT=gcc-O0 CXX=g++ OPT=-O0
-#   make unit T=math              builds and runs the tests of one stage (and what it depends on)
+# Builds mlt, its tests and everything that checks it.
+#   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
+#   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
+#   make slow       tests with the tag [.slow]         make scenes, refs, bench, fuzz, repro, proof, memcheck
+#   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
+# A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
+# tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
 # The floating-point flags hold for every variant (docs/ARCHITECTURE.md, floating-point contract).
 
-CXX      ?= g++
+VARIANT  ?= release
 ifeq ($(origin CXX),default)
 CXX      := g++
 endif
-VARIANT  ?= release
+include tools/variants.mk
+
+CXX      ?= g++
 OPT      ?= -O2
 EXTRA    ?=
+LINK     ?=
 OUT      := build/$(VARIANT)
 
 # The stages of the data flow; each may include only itself and earlier ones.
@@ -19,17 +25,26 @@ STAGES   := base math scene geometry material light world integrator markov film
 CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
 CXXFLAGS := $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g -MMD -MP -Iinclude -Itests
-LDFLAGS  := $(EXTRA) -Wl,-z,now -pthread
-LIBS     := -lfmt -lpng
+LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
+LIBS     ?= -lfmt -lpng
+
+# A variant whose flags have changed is built anew: every object depends on this file.
+FLAGS_FILE := $(OUT)/flags
+FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(LDFLAGS) $(LIBS)
+ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
+$(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
+  printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
+endif
 
 sources   = $(wildcard src/$(1)/*.cpp)
 objects   = $(patsubst %.cpp,$(OUT)/%.o,$(1))
-# Objects of stage $(1) and of all before it.
+# Stage $(1) and all before it.
 upto      = $(if $(1),$(eval _found :=)$(foreach s,$(STAGES),$(if $(_found),,$(s)$(if $(filter $(1),$(s)),$(eval _found := 1)))))
 MAIN      := src/app/main.cpp
 stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s)))))
 
-.PHONY: all unit clean
+.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz repro proof memcheck asan \
+        tsan tidy format-check clean
 all: build/mlt
 
 build/mlt: $(OUT)/mlt
@@ -39,22 +54,131 @@ build/mlt: $(OUT)/mlt
 $(OUT)/mlt: $(call stage_objects,app) $(call objects,$(MAIN))
 	$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 
-$(OUT)/%.o: %.cpp
+$(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) | deps
 	@mkdir -p $(dir $@)
 	$(CXX) $(CXXFLAGS) -c $< -o $@
 
+# Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
+# compiled without warnings.
+$(OUT)/tests/support/catch_main.o: WARNINGS := -w
+$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) | deps-test
+	@mkdir -p $(dir $@)
+	$(CXX) $(CXXFLAGS) -c $< -o $@
+
+# What a target needs of the system; does nothing when it is there (tools/install_deps.sh).
+deps:
+	@tools/install_deps.sh build $(CXX)
+deps-test: deps
+	@tools/install_deps.sh test $(CXX)
+deps-extra: deps-test
+	@tools/install_deps.sh extra
+
+# ---- tests ----
+
+TESTED_STAGES := $(foreach s,$(STAGES),$(if $(wildcard tests/$(s)/*.cpp),$(s)))
+SUPPORT       := $(wildcard tests/support/*.cpp)
 define STAGE_TEST
-$(OUT)/test_$(1): $$(call objects,$$(wildcard tests/$(1)/*.cpp tests/support/*.cpp)) $$(call stage_objects,$(1))
+$(OUT)/test_$(1): $$(call objects,$$(wildcard tests/$(1)/*.cpp) $$(SUPPORT)) $$(call stage_objects,$(1))
 	$$(CXX) $$(LDFLAGS) $$^ $$(LIBS) -o $$@
 endef
 $(foreach s,$(STAGES),$(eval $(call STAGE_TEST,$(s))))
+
+TEST_BINARIES := $(foreach s,$(TESTED_STAGES),$(OUT)/test_$(s))
+# The tests of app run the program itself.
+$(OUT)/test_app: | $(OUT)/mlt
+export MLT_BINARY := $(OUT)/mlt
+
+# What the proofs of fixed memory look at.
+PROVED := $(OUT)/film_hash $(foreach k,1 2 3 4 5,$(OUT)/film_hash_fault$(k)) $(OUT)/malloc_guard.so
 
 T ?= base
 unit: $(OUT)/test_$(T)
 	$(OUT)/test_$(T)
 
+# Builds without running.
+tests: $(TEST_BINARIES) $(OUT)/film_hash
+
+# TESTS narrows the stages: make VARIANT=tsan test TESTS="markov film render"
+TESTS ?= $(TESTED_STAGES)
+test: $(foreach s,$(TESTS),$(OUT)/test_$(s)) $(if $(filter release,$(VARIANT)),$(PROVED))
+	tools/run_tests.sh $(OUT) $(TESTS)
+
+slow: $(TEST_BINARIES)
+	tools/run_tests.sh $(OUT) --slow $(TESTED_STAGES)
+
+asan tsan:
+	$(MAKE) VARIANT=$@ test
+
+memcheck: $(OUT)/film_hash
+	tools/memcheck.sh $(OUT)
+
+# ---- the same bits everywhere, and fixed memory ----
+
+# All of the renderer without libpng, so that it can be linked for other machines too.
+# -rdynamic lets the preloaded malloc guard see the mark of the render zone.
+$(OUT)/film_hash: $(call objects,tests/repro/film_hash.cpp) $(call stage_objects,render)
+	$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+
+# The same with a fault planted in the render loop (include/base/planted_fault.hpp).
+PLANTED := $(OUT)/src/render/worker_pool.o
+$(OUT)/fault%/worker_pool.o: src/render/worker_pool.cpp $(FLAGS_FILE)
+	@mkdir -p $(dir $@)
+	$(CXX) $(CXXFLAGS) -DMLT_PLANTED_FAULT=$* -c $< -o $@
+$(OUT)/film_hash_fault%: $(OUT)/fault%/worker_pool.o $(call objects,tests/repro/film_hash.cpp) \
+                         $(filter-out $(PLANTED),$(call stage_objects,render))
+	$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+
+$(OUT)/malloc_guard.so: tests/proof/malloc_guard.cpp $(FLAGS_FILE) | deps
+	$(CXX) $(CONTRACT) $(WARNINGS) -O2 -g -fPIC -shared -Iinclude $< -o $@ -ldl
+
+proof: $(PROVED)
+	tools/proof.sh $(OUT)
+
+repro: deps-extra
+	tools/repro.sh full
+
+# ---- pictures, measurements, fuzzing ----
+
+DEMO := build/demo/cornell_hidden.png
+demo: build/mlt
+	@mkdir -p $(dir $(DEMO))
+	build/mlt render scenes/cornell_hidden.txt -o $(DEMO)
+	@echo $(DEMO)
+
+# Scenes too large to be stored.
+scenes: build/scenes/made
+build/scenes/made: scenes/generate_mesh.cpp | deps
+	@mkdir -p build/scenes
+	$(CXX) $(CONTRACT) $(WARNINGS) -O2 $< -o build/scenes/generate_mesh
+	build/scenes/generate_mesh build/scenes
+	@touch $@
+
+refs: build/mlt
+	tools/make_refs.sh
+
+BENCHES := $(patsubst tests/bench/%.cpp,$(OUT)/bench/%,$(wildcard tests/bench/*.cpp))
+$(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
+	@mkdir -p $(dir $@)
+	$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+bench: $(BENCHES) scenes
+	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
+
+FUZZ_SECONDS ?= 600
+fuzz: deps-extra
+	tools/fuzz.sh $(FUZZ_SECONDS)
+
+# ---- form ----
+
+FORMATTED := $(wildcard include/*/*.hpp src/*/*.hpp src/*/*.cpp tests/*/*.hpp tests/*/*.cpp scenes/*.cpp)
+format-check: deps-extra
+	clang-format --dry-run -Werror $(FORMATTED)
+
+tidy: deps-extra
+	clang-tidy --quiet $(wildcard src/*/*.cpp) -- $(CONTRACT) -Iinclude
+
 clean:
 	rm -rf build
 
 .SECONDARY:
--include $(shell find build -name '*.d' 2>/dev/null)
+.DELETE_ON_ERROR:
+-include $(wildcard $(OUT)/src/*/*.d $(OUT)/tests/*/*.d $(OUT)/fault*/*.d)

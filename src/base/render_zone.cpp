@@ -90,6 +90,8 @@ void prefault_process() {
 MLT_TOUCHES_ANYTHING void prefault_stack(std::size_t bytes) {
   const std::size_t page = page_bytes();
   volatile char* block = static_cast<volatile char*>(alloca(bytes + page));
+  // The address escapes; otherwise a compiler that knows `bytes` may keep only the bytes written below.
+  asm volatile("" : "+r"(block) : : "memory");
   // From the high end down, as a stack grows: the kernel extends the main thread's stack that way.
   for (std::size_t used = 0; used <= bytes; used += page) block[bytes + page - 1 - used] = 0;
   block[0] = 0;

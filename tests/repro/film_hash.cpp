@@ -1,0 +1,129 @@
+// Renders one job and prints the film's hash: what tools/repro.sh compares over compilers, flags, machines
+// and thread counts, and what the proofs of fixed memory watch. It links every stage up to render and neither
+// libpng nor the command line, so that it can be built for machines whose libraries are not installed.
+//   film_hash SCENE integrator=pssmlt width=32 height=24 spp=8 depth=5 threads=2 seed=1 ... [statistics=1]
+
+#include <atomic>
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/assert.hpp"
+#include "base/error.hpp"
+#include "render/renderer.hpp"
+#include "scene/parse.hpp"
+
+namespace mlt {
+namespace {
+
+InputError fault(std::string_view option, const std::string& message) {
+  return InputError(Diagnostic{std::string(option), 0, 0, message});
+}
+
+template <class T>
+T number(std::string_view option, std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw fault(option, "'" + std::string(text) + "' is not a number in range");
+  }
+  return value;
+}
+
+struct Options {
+  RenderRequest request;
+  bool statistics = false;
+};
+
+#define MLT_CASE(name, help)                           \
+  if (value == #name) return static_cast<Kind>(index); \
+  ++index;
+
+IntegratorKind integrator_of(std::string_view value) {
+  using Kind = IntegratorKind;
+  int index = 0;
+  MLT_INTEGRATOR_KINDS(MLT_CASE)
+  throw fault("integrator", "unknown '" + std::string(value) + "' (" + std::to_string(index) + " are known)");
+}
+
+StartKind start_of(std::string_view value) {
+  using Kind = StartKind;
+  int index = 0;
+  MLT_START_KINDS(MLT_CASE)
+  throw fault("start", "unknown '" + std::string(value) + "' (" + std::to_string(index) + " are known)");
+}
+#undef MLT_CASE
+
+void set_option(Options& options, std::string_view name, std::string_view value) {
+  RenderRequest& request = options.request;
+  if (name == "integrator") {
+    request.integrator = integrator_of(value);
+  } else if (name == "start") {
+    request.start = start_of(value);
+  } else if (name == "width") {
+    request.width = number<std::uint32_t>(name, value);
+  } else if (name == "height") {
+    request.height = number<std::uint32_t>(name, value);
+  } else if (name == "spp") {
+    request.samples_per_pixel = number<std::uint64_t>(name, value);
+  } else if (name == "depth") {
+    request.depth = number<std::uint32_t>(name, value);
+  } else if (name == "threads") {
+    request.threads = number<std::uint32_t>(name, value);
+  } else if (name == "seed") {
+    request.seed = number<std::uint64_t>(name, value);
+  } else if (name == "chains") {
+    request.chains = number<std::uint32_t>(name, value);
+  } else if (name == "bootstrap") {
+    request.bootstrap = number<std::uint64_t>(name, value);
+  } else if (name == "roulette") {
+    request.roulette = number<std::uint32_t>(name, value);
+  } else if (name == "large_step") {
+    request.large_step = number<float>(name, value);
+  } else if (name == "statistics") {
+    options.statistics = number<int>(name, value) != 0;
+  } else {
+    throw fault(name, "unknown option");
+  }
+}
+
+int render(const std::string& path, const Options& options) {
+  const SceneDescription scene = parse_scene_file(path);
+  Renderer renderer(scene, resolve_job(options.request, scene));
+  renderer.prepare();
+  const std::atomic<bool> stop{false};
+  const RenderStatistics statistics = renderer.run(stop, nullptr, nullptr);
+  std::printf("%s\n", statistics.film_hash.c_str());
+  if (options.statistics) {
+    std::printf("minor_faults %llu\nsamples %llu\nblack %d\n",
+                static_cast<unsigned long long>(statistics.minor_faults),
+                static_cast<unsigned long long>(statistics.samples), statistics.black ? 1 : 0);
+  }
+  return static_cast<int>(ExitCode::kOk);
+}
+
+}  // namespace
+}  // namespace mlt
+
+int main(int argc, char** argv) {
+  try {
+    if (argc < 2) throw mlt::fault("film_hash", "expected: film_hash SCENE option=value...");
+    mlt::Options options;
+    for (int i = 2; i < argc; ++i) {
+      const std::string_view argument = argv[i];
+      const std::size_t equals = argument.find('=');
+      if (equals == std::string_view::npos) throw mlt::fault(argument, "expected option=value");
+      mlt::set_option(options, argument.substr(0, equals), argument.substr(equals + 1));
+    }
+    return mlt::render(argv[1], options);
+  } catch (const mlt::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(mlt::ExitCode::kBadInput);
+  } catch (const mlt::ResourceError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(mlt::ExitCode::kResourceLimit);
+  }
+}
