@@ -17,9 +17,9 @@
 
 namespace mlt {
 
-using Vec2 = glm::vec2;   ///< float
-using Vec3 = glm::vec3;   ///< float; values start uninitialised, so always brace-initialise
-using DVec3 = glm::dvec3; ///< double, for scene description and compilation
+using Vec2 = glm::vec2;    ///< float
+using Vec3 = glm::vec3;    ///< float; values start uninitialised, so always brace-initialise
+using DVec3 = glm::dvec3;  ///< double, for scene description and compilation
 
 template <class V>
 inline auto dot(const V& a, const V& b) {
@@ -42,8 +42,12 @@ inline V normalize(const V& v) {
   return v * (decltype(v.x)(1) / length(v));
 }
 
-inline bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-inline bool is_zero(const Vec3& v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f; }
+inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+inline bool is_zero(const Vec3& v) {
+  return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
+}
 
 inline float max_component(const Vec3& v) {
   const float xy = v.x > v.y ? v.x : v.y;
@@ -51,7 +55,9 @@ inline float max_component(const Vec3& v) {
 }
 
 /// Rec. 709 luminance of linear RGB [ITU-R BT.709].
-inline float luminance(const Vec3& rgb) { return (0.2126f * rgb.x + 0.7152f * rgb.y) + 0.0722f * rgb.z; }
+inline float luminance(const Vec3& rgb) {
+  return (0.2126f * rgb.x + 0.7152f * rgb.y) + 0.0722f * rgb.z;
+}
 
 /// An orthonormal frame whose z axis is a surface normal [Duff17, listing 3].
 struct Frame {

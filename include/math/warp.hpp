@@ -3,14 +3,11 @@
 // subtracts nearly equal numbers, so rims and poles keep their relative accuracy.
 #pragma once
 
+#include "math/constants.hpp"
 #include "math/elementary.hpp"
 #include "math/vec.hpp"
 
 namespace mlt {
-
-inline constexpr float kPi = 3.14159265f;
-inline constexpr float kInversePi = 0.318309886f;
-inline constexpr float kInverse4Pi = 0.0795774715f;
 
 /// Unit vector of the hemisphere around +z with density cos(theta)/pi per solid angle. z >= 2^-12, and z^2 is
 /// 1 - u.x exactly up to the rounding of two operations, because it is computed from u.x and not from x and
@@ -75,7 +72,7 @@ inline Vec3 uniform_cone(const Vec2& u, float one_minus_cos_max) {
 
 /// Density per solid angle of uniform_cone(), inside the cone.
 inline float uniform_cone_pdf_solid_angle(float one_minus_cos_max) {
-  return 1.0f / (2.0f * kPi * one_minus_cos_max);
+  return 1.0f / (kTwoPi * one_minus_cos_max);
 }
 
 }  // namespace mlt
