@@ -1,0 +1,46 @@
+// From the words of the command line to one command with checked values.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "render/job.hpp"
+
+namespace mlt {
+
+struct RenderCommand {
+  std::string scene;
+  RenderRequest request;
+  std::vector<std::string> outputs;  ///< image files; never empty
+  std::optional<std::string> stats;  ///< JSON file
+  float exposure = 0;                ///< EV
+  bool quiet = false;
+  std::vector<std::string> warnings;  ///< options that were accepted and have no effect
+};
+
+struct InfoCommand {
+  std::string scene;
+  RenderRequest request;
+  std::vector<std::string> warnings;
+};
+
+struct CompareCommand {
+  std::string image;
+  std::string reference;
+  std::optional<double> max_rel_mse;
+};
+
+/// A command that only prints.
+struct TextCommand {
+  std::string text;
+};
+
+using Command = std::variant<RenderCommand, InfoCommand, CompareCommand, TextCommand>;
+
+/// `words` without the program's name. Throws InputError with every fault found; the place is the option's
+/// name, or "mlt" with the command for the line as a whole.
+Command parse_command_line(const std::vector<std::string>& words);
+
+}  // namespace mlt

@@ -1,0 +1,23 @@
+// The commands themselves. Each returns the process's exit code or throws InputError or ResourceError.
+#pragma once
+
+#include "app/command_line.hpp"
+#include "base/error.hpp"
+
+namespace mlt {
+
+/// Checks that every output can be written, reads the scene, renders, writes the outputs. When one output
+/// fails in the end, the others are still written.
+ExitCode run_render(const RenderCommand& command);
+
+/// Prints what the scene contains, the features found and skipped, and the memory plan, without rendering.
+ExitCode run_info(const InfoCommand& command);
+
+/// Prints MSE, relMSE and the mean ratio; kCompareFailed when relMSE is above the limit.
+ExitCode run_compare(const CompareCommand& command);
+
+/// Runs the whole program: parses `words` (without the program's name), runs the command, and turns every
+/// error into a message on standard error and an exit code.
+ExitCode run_program(const std::vector<std::string>& words);
+
+}  // namespace mlt

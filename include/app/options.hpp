@@ -1,0 +1,51 @@
+// The options of every command, in one table: the parser, the help text, the suggestions for misspelled
+// options and the tests come from it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mlt {
+
+/// name, what it does in one line.
+#define MLT_COMMANDS(X)                                                                \
+  X(render, "render a scene to image files")                                           \
+  X(info, "print what a scene contains, what was skipped for it, and the memory plan") \
+  X(compare, "measure how far an image is from a reference")                           \
+  X(help, "explain a command")
+
+enum class CommandKind : std::uint8_t {
+#define MLT_ENUMERATE(name, help) name,
+  MLT_COMMANDS(MLT_ENUMERATE)
+#undef MLT_ENUMERATE
+};
+
+/// "render", "info", ... in the order of MLT_COMMANDS.
+std::vector<std::string> command_names();
+
+struct OptionSpec {
+  std::string name;        ///< e.g. "--width"
+  std::string short_name;  ///< e.g. "-o", or empty
+  std::string value;       ///< placeholder of its value; empty for a switch
+  bool repeatable = false;
+  std::vector<CommandKind> commands;
+  std::string help;  ///< what it means, its range and its default
+};
+
+/// All options; built once.
+const std::vector<OptionSpec>& option_table();
+
+/// Those of `command`.
+std::vector<OptionSpec> options_of(CommandKind command);
+
+/// The names that the command line knows integrators and starts by, in the order of their enums; an
+/// underscore of the identifier is a hyphen here.
+const std::vector<std::string>& integrator_names();
+const std::vector<std::string>& start_names();
+
+/// Text of `mlt --help`, and of `mlt help COMMAND` or `mlt COMMAND --help`; at most 100 columns.
+std::string general_help();
+std::string command_help(CommandKind command);
+
+}  // namespace mlt

@@ -1,0 +1,158 @@
+#include "app/options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/number.hpp"
+#include "image/format.hpp"
+#include "render/job.hpp"
+
+namespace mlt {
+namespace {
+
+using Commands = std::vector<CommandKind>;
+
+std::string with_hyphens(std::string identifier) {
+  std::replace(identifier.begin(), identifier.end(), '_', '-');
+  return identifier;
+}
+
+/// "name: help; name: help"
+std::string integrator_list() {
+  std::string text;
+#define MLT_ITEM(name, help) text += (text.empty() ? "" : "; ") + with_hyphens(#name) + ": " + (help);
+  MLT_INTEGRATOR_KINDS(MLT_ITEM)
+#undef MLT_ITEM
+  return text;
+}
+
+std::string start_list() {
+  std::string text;
+#define MLT_ITEM(name, help) text += (text.empty() ? "" : "; ") + with_hyphens(#name) + ": " + (help);
+  MLT_START_KINDS(MLT_ITEM)
+#undef MLT_ITEM
+  return text;
+}
+
+std::string format_list() {
+  std::string text;
+#define MLT_ITEM(name, help) text += std::string(text.empty() ? "" : "; ") + "." #name ": " + (help);
+  MLT_IMAGE_FORMATS(MLT_ITEM)
+#undef MLT_ITEM
+  return text;
+}
+
+void add_output_options(std::vector<OptionSpec>& table) {
+  const Commands render{CommandKind::render};
+  table.push_back({"--output", "-o", "FILE", true, render,
+                   fmt::format("image to write, any number of times; the extension chooses the format ({}). "
+                               "Default: the scene's base name with .png in the current folder",
+                               format_list())});
+  table.push_back({"--exposure", "", "EV", false, render,
+                   "brightens PNG files by the factor 2^EV, -64 to 64; default 0"});
+  table.push_back({"--stats", "", "FILE", false, render, "writes the render's statistics as JSON"});
+  table.push_back({"--quiet", "-q", "", false, render, "no progress line and no closing summary"});
+}
+
+/// What decides the image, apart from the scene: all of these are in the command stored with the image.
+void add_job_options(std::vector<OptionSpec>& table) {
+  const Commands both{CommandKind::render, CommandKind::info};
+  const RenderRequest defaults;
+  const auto add = [&table, &both](const char* name, const char* value, std::string help) {
+    table.push_back({name, "", value, false, both, std::move(help)});
+  };
+  add("--integrator", "NAME",
+      fmt::format("{}. Default: {}", integrator_list(),
+                  integrator_names()[static_cast<std::size_t>(defaults.integrator)]));
+  add("--spp", "N", "work per pixel: samples (path) or mutations (pssmlt), at least 1");
+  add("--mutations", "N", "another name of --spp; only one of the two may be given");
+  add("--width", "N", fmt::format("image width in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
+  add("--height", "N", fmt::format("image height in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
+  add("--depth", "N",
+      fmt::format(
+          "maximal number of path edges from camera to light, 1 to {}: 1 shows only light that is seen "
+          "directly, 2 adds direct illumination, each further one a bounce. Default: the scene's, else {}",
+          kMaxDepth, kDefaultDepth));
+  add("--seed", "N", "any 64-bit integer; another seed gives other noise. Default: 0");
+  add("--chains", "N", "pssmlt: number of Markov chains. Default: from the number of mutations");
+  add("--bootstrap", "N",
+      "pssmlt: number of paths that seed the chains. Default: from the number of mutations");
+  add("--large-step", "P",
+      fmt::format("pssmlt: probability of a large step, 0 to 1; default {}", defaults.large_step));
+  add("--start", "NAME",
+      fmt::format("pssmlt: {}. Default: {}", start_list(),
+                  start_names()[static_cast<std::size_t>(defaults.start)]));
+  add("--roulette", "N|off",
+      fmt::format("first path edge that Russian roulette may end, 1 to {}, or off", kMaxDepth));
+  add("--threads", "N",
+      fmt::format("1 to {}, without influence on the image; default: the machine's cores", kMaxThreads));
+  add("--memory", "SIZE",
+      fmt::format(
+          "limit of the render's fixed memory in bytes, with K, M, G or T for powers of 1024; default {}",
+          format_bytes(defaults.memory_limit)));
+}
+
+std::vector<OptionSpec> make_table() {
+  std::vector<OptionSpec> table;
+  add_output_options(table);
+  add_job_options(table);
+  table.push_back({"--max-relmse",
+                   "",
+                   "X",
+                   false,
+                   {CommandKind::compare},
+                   "exit with code 1 when relMSE exceeds X, a number of at least 0"});
+  table.push_back({"--help",
+                   "-h",
+                   "",
+                   false,
+                   {CommandKind::render, CommandKind::info, CommandKind::compare, CommandKind::help},
+                   "prints this text"});
+  return table;
+}
+
+}  // namespace
+
+const std::vector<OptionSpec>& option_table() {
+  static const std::vector<OptionSpec> table = make_table();
+  return table;
+}
+
+std::vector<OptionSpec> options_of(CommandKind command) {
+  std::vector<OptionSpec> found;
+  for (const OptionSpec& option : option_table()) {
+    if (std::find(option.commands.begin(), option.commands.end(), command) != option.commands.end()) {
+      found.push_back(option);
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> command_names() {
+  return {
+#define MLT_NAME(name, help) #name,
+      MLT_COMMANDS(MLT_NAME)
+#undef MLT_NAME
+  };
+}
+
+const std::vector<std::string>& integrator_names() {
+  static const std::vector<std::string> names{
+#define MLT_NAME(name, help) with_hyphens(#name),
+      MLT_INTEGRATOR_KINDS(MLT_NAME)
+#undef MLT_NAME
+  };
+  return names;
+}
+
+const std::vector<std::string>& start_names() {
+  static const std::vector<std::string> names{
+#define MLT_NAME(name, help) with_hyphens(#name),
+      MLT_START_KINDS(MLT_NAME)
+#undef MLT_NAME
+  };
+  return names;
+}
+
+}  // namespace mlt

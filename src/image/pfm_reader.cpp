@@ -1,0 +1,172 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "image/image_io.hpp"
+#include "render/job.hpp"
+
+namespace mlt {
+namespace {
+
+constexpr std::size_t kMaxHeaderBytes = 256;  // four tokens; the longest sensible header has about 40 bytes
+
+struct PfmHeader {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t channels = 0;
+  float scale = 1;  ///< magnitude
+  bool little_endian = true;
+  std::size_t bytes = 0;  ///< offset of the first value
+};
+
+class PfmFile {
+ public:
+  explicit PfmFile(const std::string& path) : path_(path) {
+    // Not blocking, since opening a pipe for reading would wait for a writer.
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor_ < 0)
+      fail(std::string("cannot be read: ") + std::strerror(errno) + "; expected a PFM image");
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+      ::close(descriptor_);
+      fail("is not a regular file; expected a PFM image");
+    }
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  ~PfmFile() { ::close(descriptor_); }
+  PfmFile(const PfmFile&) = delete;
+  PfmFile& operator=(const PfmFile&) = delete;
+
+  [[noreturn]] void fail(const std::string& message) const {
+    throw InputError(Diagnostic{path_, 0, 0, message});
+  }
+
+  /// Up to `size` bytes from `offset`; fewer only at the file's end.
+  std::size_t read(void* bytes, std::size_t size, std::uint64_t offset) const {
+    std::size_t done = 0;
+    while (done < size) {
+      const ssize_t count = ::pread(descriptor_, static_cast<char*>(bytes) + done, size - done,
+                                    static_cast<off_t>(offset + done));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail(std::string("cannot be read: ") + std::strerror(errno));
+      if (count == 0) break;
+      done += static_cast<std::size_t>(count);
+    }
+    return done;
+  }
+  std::uint64_t size() const { return size_; }
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+bool is_space(char letter) {
+  return letter == ' ' || letter == '\n' || letter == '\t' || letter == '\r';
+}
+
+/// Takes the next token and the one white-space character behind it off `rest`.
+std::string_view take_token(const PfmFile& file, std::string_view& rest) {
+  while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
+  std::size_t length = 0;
+  while (length < rest.size() && !is_space(rest[length])) ++length;
+  if (length == rest.size()) file.fail("the header does not end; expected 'PF', width, height and scale");
+  const std::string_view token = rest.substr(0, length);
+  rest.remove_prefix(length + 1);
+  return token;
+}
+
+/// Values in messages come from the file, so what a terminal would interpret is replaced.
+std::string printable(std::string_view token) {
+  std::string text;
+  for (const char letter : token.substr(0, 40)) text += letter >= ' ' && letter <= '~' ? letter : '?';
+  return text;
+}
+
+std::uint32_t parse_side(const PfmFile& file, const char* name, std::string_view token) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+  if (error != std::errc{} || end != token.data() + token.size() || value < 1 || value > kMaxFilmSide) {
+    file.fail(std::string("the ") + name + " is '" + printable(token) + "'; expected an integer from 1 to " +
+              std::to_string(kMaxFilmSide));
+  }
+  return value;
+}
+
+PfmHeader parse_header(const PfmFile& file) {
+  char bytes[kMaxHeaderBytes];
+  const std::string_view all(bytes, file.read(bytes, sizeof bytes, 0));
+  std::string_view rest = all;
+  PfmHeader header;
+  if (all.substr(0, 2) != "PF" && all.substr(0, 2) != "Pf") {
+    file.fail("starts with '" + printable(all.substr(0, 2)) +
+              "'; expected a PFM image, which starts with 'PF'");
+  }
+  const std::string_view magic = take_token(file, rest);
+  if (magic.size() != 2) file.fail("starts with '" + printable(magic) + "'; expected 'PF' or 'Pf'");
+  header.channels = magic == "PF" ? 3 : 1;
+  header.width = parse_side(file, "width", take_token(file, rest));
+  header.height = parse_side(file, "height", take_token(file, rest));
+  const std::string_view scale = take_token(file, rest);
+  const auto [end, error] = std::from_chars(scale.data(), scale.data() + scale.size(), header.scale);
+  if (error != std::errc{} || end != scale.data() + scale.size() || !std::isfinite(header.scale) ||
+      header.scale == 0.0f) {
+    file.fail("the scale is '" + printable(scale) +
+              "'; expected a number other than 0, negative for little-endian");
+  }
+  header.little_endian = header.scale < 0;
+  header.scale = std::fabs(header.scale);
+  header.bytes = all.size() - rest.size();
+  return header;
+}
+
+float decode(const std::uint8_t* bytes, bool little_endian) {
+  std::uint32_t bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= std::uint32_t{bytes[i]} << (little_endian ? 8 * i : 24 - 8 * i);
+  return std::bit_cast<float>(bits);
+}
+
+}  // namespace
+
+PfmImage read_pfm(const std::string& path) {
+  const PfmFile file(path);
+  const PfmHeader header = parse_header(file);
+  // At most 2^16 * 2^16 * 12, far below 2^64.
+  const std::uint64_t row_bytes = std::uint64_t{4} * header.channels * header.width;
+  const std::uint64_t expected = header.bytes + row_bytes * header.height;
+  if (file.size() != expected) {
+    file.fail("has " + std::to_string(file.size()) + " bytes; expected " + std::to_string(expected) +
+              " for " + std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels of " +
+              std::to_string(header.channels) + " channels");
+  }
+  PfmImage result;
+  result.image.width = header.width;
+  result.image.height = header.height;
+  result.image.pixels.resize(std::size_t{header.width} * header.height, Vec3{0, 0, 0});
+  std::vector<std::uint8_t> row(row_bytes);
+  for (std::uint32_t i = 0; i < header.height; ++i) {
+    if (file.read(row.data(), row.size(), header.bytes + row_bytes * i) != row.size()) {
+      file.fail("became shorter while it was read");
+    }
+    Vec3* pixels = result.image.pixels.data() + std::size_t{header.height - 1 - i} * header.width;
+    for (std::uint32_t x = 0; x < header.width; ++x) {
+      for (std::uint32_t channel = 0; channel < 3; ++channel) {
+        const std::size_t index = std::size_t{x} * header.channels + (header.channels == 3 ? channel : 0);
+        pixels[x][static_cast<int>(channel)] =
+            decode(row.data() + 4 * index, header.little_endian) * header.scale;
+      }
+      if (!is_finite(pixels[x])) ++result.non_finite;
+    }
+  }
+  return result;
+}
+
+}  // namespace mlt
