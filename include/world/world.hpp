@@ -12,6 +12,7 @@
 #include "light/light.hpp"
 #include "light/light_table.hpp"
 #include "material/material.hpp"
+#include "math/rng.hpp"
 #include "scene/description.hpp"
 
 namespace mlt {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
-#include "math/elementary.hpp"
+#include "math/degrees.hpp"
 
 namespace mlt {
 namespace {
