@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/render_zone.hpp"
+#include "job_plan.hpp"
 #include "render/film_hash.hpp"
 #include "render/kernel.hpp"
 #include "render/scene_info.hpp"
@@ -51,33 +52,13 @@ struct Usage {
   }
 };
 
-/// Names of the plan's blocks, resolved once the arena exists.
-struct RenderSlots {
-  WorldSlots world;
-  Slot<WorkerStack> stacks;
-  Slot<pthread_t> threads;
-  Slot<WorkerStorage> workers;
-  Slot<PrimarySample> samples;
-  Slot<SavedSample> saved;
-  Slot<Splat> splats;
-  Slot<FilmPixel> films;
-  Slot<BootstrapChunk> bootstrap;
-  Slot<ChainStatistics> chains;
-  Slot<PixelSum> pixels;
-  Slot<TileStatistics> tiles;
-  Slot<Vec3> image;
-};
-
 }  // namespace
 
 struct Renderer::State {
-  State(const SceneDescription& description, const RenderJob& render_job);
-
-  void plan_metropolis();
-  void plan_path();
-  void take_storage();
-  std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
-  bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
+  State(const SceneDescription& description, const RenderJob& job)
+      : scene(description), counts(count_world(description)), plan(counts, job) {
+    plan.require_within_limit(counts);
+  }
 
   std::uint64_t run_phase(const char* stage, UnitFunction function, std::uint64_t units, bool stoppable);
   void render_metropolis();
@@ -87,19 +68,13 @@ struct Renderer::State {
   static void report_progress(void* state);
 
   const SceneDescription& scene;
-  RenderJob job;
   WorldCounts counts;
-  FeatureMask features;
-  Kernel kernel;
-  std::uint32_t workers;            ///< threads that can have work at all
-  std::uint32_t sample_capacity;
-  MemoryPlan plan;
-  RenderSlots slots;
+  JobPlan plan;
 
   std::unique_ptr<Arena> arena;
   World world;
   RenderStorage storage;
-  WorkerPool pool;
+  WorkerPool pool;  // after the arena, whose stacks its threads run on until they are joined
 
   // One run
   const std::atomic<bool>* stop = nullptr;
@@ -110,79 +85,6 @@ struct Renderer::State {
   RenderStatistics statistics;
   FilmNormalisation normalisation;
 };
-
-Renderer::State::State(const SceneDescription& description, const RenderJob& render_job)
-    : scene(description),
-      job(render_job),
-      counts(count_world(description)),
-      features(find_features(counts, job)),
-      kernel(select_kernel(features, job.mutation)),
-      sample_capacity(kernel.primary_sample_capacity(job.depth)) {
-  const std::uint64_t units = is_metropolis()
-                                  ? std::uint64_t{job.chains}
-                                  : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
-  workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
-  slots.world = plan_world(plan, counts);
-  slots.image = plan.add<Vec3>("image", Lifetime::kScene, pixel_count());
-  slots.threads = plan.add<pthread_t>("threads", Lifetime::kScene, workers);
-  slots.workers = plan.add<WorkerStorage>("workers", Lifetime::kScene, workers);
-  if (is_metropolis()) {
-    plan_metropolis();
-  } else {
-    plan_path();
-  }
-  slots.stacks = plan.add<WorkerStack>("thread stacks", Lifetime::kRender, workers);
-  plan.require_within(job.memory_limit);
-}
-
-void Renderer::State::plan_metropolis() {
-  slots.bootstrap = plan.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender,
-                                             bootstrap_chunk_count(job.bootstrap));
-  slots.chains = plan.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
-  slots.samples = plan.add<PrimarySample>("primary samples", Lifetime::kRender,
-                                          std::size_t{workers} * sample_capacity);
-  slots.saved = plan.add<SavedSample>("saved primary samples", Lifetime::kRender,
-                                      std::size_t{workers} * sample_capacity);
-  slots.splats =
-      plan.add<Splat>("splats, two states", Lifetime::kRender, std::size_t{workers} * 2 * kernel.max_splats);
-  slots.films = plan.add<FilmPixel>("films, one a worker", Lifetime::kRender, workers * pixel_count());
-}
-
-void Renderer::State::plan_path() {
-  slots.pixels = plan.add<PixelSum>("film", Lifetime::kRender, pixel_count());
-  slots.tiles = plan.add<TileStatistics>("tile statistics", Lifetime::kRender,
-                                         std::size_t{tile_count(job.width)} * tile_count(job.height));
-}
-
-void Renderer::State::take_storage() {
-  storage.world = &world;
-  storage.job = job;
-  storage.path = PathSettings{job.depth, job.roulette};
-  storage.image = arena->take(slots.image);
-  storage.workers = arena->take(slots.workers);
-  if (!is_metropolis()) {
-    storage.pixels = arena->take(slots.pixels);
-    storage.tiles = arena->take(slots.tiles);
-    return;
-  }
-  storage.mutations = pixel_count() * job.samples_per_pixel;
-  storage.fraction_bits = film_fraction_bits(storage.mutations);
-  storage.bootstrap = arena->take(slots.bootstrap);
-  storage.chains = arena->take(slots.chains);
-  const std::span<PrimarySample> samples = arena->take(slots.samples);
-  const std::span<SavedSample> saved = arena->take(slots.saved);
-  const std::span<Splat> splats = arena->take(slots.splats);
-  const std::span<FilmPixel> films = arena->take(slots.films);
-  for (std::uint32_t i = 0; i < workers; ++i) {
-    WorkerStorage& own = storage.workers[i];
-    own.chain.samples = samples.subspan(std::size_t{i} * sample_capacity, sample_capacity);
-    own.chain.saved = saved.subspan(std::size_t{i} * sample_capacity, sample_capacity);
-    own.chain.current = splats.subspan(std::size_t{i} * 2 * kernel.max_splats, kernel.max_splats);
-    own.chain.proposed =
-        splats.subspan((std::size_t{i} * 2 + 1) * kernel.max_splats, kernel.max_splats);
-    own.film = films.subspan(i * pixel_count(), pixel_count());
-  }
-}
 
 std::uint64_t Renderer::State::run_phase(const char* stage, UnitFunction function, std::uint64_t units,
                                          bool stoppable) {
@@ -200,17 +102,17 @@ void Renderer::State::report_progress(void* context) {
 void Renderer::State::render_metropolis() {
   progress_total = storage.mutations;
   const std::uint64_t chunks = storage.bootstrap.size();
-  const std::uint64_t chunks_run = run_phase("bootstrap", kernel.bootstrap_chunk, chunks, true);
+  const std::uint64_t chunks_run = run_phase("bootstrap", plan.kernel.bootstrap_chunk, chunks, true);
   statistics.partial = chunks_run < chunks;
   storage.bootstrap_moments = accumulate_bootstrap(
-      storage.bootstrap, std::min(chunks_run * kBootstrapChunk, job.bootstrap));
+      storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
   for (const BootstrapChunk& chunk : storage.bootstrap) add_defects(statistics, chunk.defects);
 
   std::uint64_t finished_chains = 0;
   statistics.black = !(storage.bootstrap_moments.sum > 0.0);
   if (!statistics.partial && !statistics.black) {
-    finished_chains = run_phase("chain", kernel.chain, job.chains, true);
-    statistics.partial = finished_chains < job.chains;
+    finished_chains = run_phase("chain", plan.kernel.chain, plan.job.chains, true);
+    statistics.partial = finished_chains < plan.job.chains;
   }
   develop_metropolis(finished_chains);
 }
@@ -242,7 +144,7 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
       moments.mean(), static_cast<double>(static_cast<float>(storage.bootstrap_moments.mean())),
       total.mutations, storage.fraction_bits};
   DevelopContext context{storage, normalisation};
-  pool.run(Phase{"develop", &develop_unit, &context, divide_up(pixel_count(), kPixelsPerSumUnit), false}, *stop,
+  pool.run(Phase{"develop", &develop_unit, &context, divide_up(plan.pixel_count(), kPixelsPerSumUnit), false}, *stop,
            nullptr, nullptr);
 
   const std::uint64_t large_steps = total.large_steps.count;
@@ -259,9 +161,9 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
 }
 
 void Renderer::State::render_path() {
-  progress_total = pixel_count() * job.samples_per_pixel;
+  progress_total = plan.pixel_count() * plan.job.samples_per_pixel;
   const std::uint64_t tiles = storage.tiles.size();
-  statistics.partial = run_phase("path tracer", kernel.tile, tiles, true) < tiles;
+  statistics.partial = run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles;
   collect_path();
 }
 
@@ -282,20 +184,23 @@ Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)
 
 Renderer::~Renderer() = default;
 
-const MemoryPlan& Renderer::memory_plan() const { return state_->plan; }
+const MemoryPlan& Renderer::memory_plan() const { return state_->plan.memory; }
 
 std::vector<InfoLine> Renderer::info() const {
-  return describe_scene(state_->scene, state_->counts, state_->job, state_->features, state_->sample_capacity);
+  const JobPlan& plan = state_->plan;
+  return describe_scene(state_->scene, state_->counts, plan.job, plan.features, plan.sample_capacity);
 }
 
 void Renderer::prepare() {
   State& state = *state_;
-  state.arena = std::make_unique<Arena>(state.plan);
-  state.world = compile_world(state.scene, state.counts, state.job.width, state.job.height, *state.arena,
-                              state.slots.world);
-  state.take_storage();
+  const JobPlan& plan = state.plan;
+  state.arena = std::make_unique<Arena>(plan.memory);
+  state.world = compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
+                              plan.slots.world);
+  state.storage.world = &state.world;
+  plan.take_storage(*state.arena, state.storage);
   prefault_process();
-  state.pool.start(state.arena->take(state.slots.stacks), state.arena->take(state.slots.threads));
+  state.pool.start(state.arena->take(plan.slots.stacks), state.arena->take(plan.slots.threads));
 }
 
 RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback progress, void* context) {
@@ -311,7 +216,7 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
   enter_render_zone();
   if (state.counts.lights == 0) {
     state.statistics.black = true;
-  } else if (state.is_metropolis()) {
+  } else if (state.plan.is_metropolis()) {
     state.render_metropolis();
   } else {
     state.render_path();
@@ -322,14 +227,14 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
   state.statistics.wall_seconds = end.wall - begin.wall;
   state.statistics.cpu_seconds = end.cpu - begin.cpu;
   state.statistics.minor_faults = end.minor_faults - begin.minor_faults;
-  state.statistics.film_hash = state.is_metropolis()
+  state.statistics.film_hash = state.plan.is_metropolis()
                                    ? hash_metropolis_film(state.storage, state.normalisation)
                                    : hash_path_film(state.storage);
   return state.statistics;
 }
 
 ImageView Renderer::image() const {
-  return {state_->job.width, state_->job.height, state_->storage.image};
+  return {state_->plan.job.width, state_->plan.job.height, state_->storage.image};
 }
 
 }  // namespace mlt

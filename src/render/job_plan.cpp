@@ -1,0 +1,116 @@
+#include "job_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/error.hpp"
+#include "render/scene_info.hpp"
+
+namespace mlt {
+namespace {
+
+/// A smaller job that fits the limit: fewer threads first, then a smaller film as well.
+std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
+  while (job.threads > 1) {
+    job.threads = (job.threads + 1) / 2;
+    const JobPlan smaller(counts, job);
+    if (smaller.memory.total_bytes() <= job.memory_limit) {
+      return fmt::format("; --threads {} would fit with {} bytes", job.threads, smaller.memory.total_bytes());
+    }
+  }
+  std::size_t least = 0;
+  while (job.width > 1 || job.height > 1) {
+    job.width = std::max(1U, job.width / 2);
+    job.height = std::max(1U, job.height / 2);
+    least = JobPlan(counts, job).memory.total_bytes();
+    if (least <= job.memory_limit) {
+      return fmt::format("; --width {} --height {} --threads 1 would fit with {} bytes", job.width, job.height,
+                         least);
+    }
+  }
+  least = JobPlan(counts, job).memory.total_bytes();
+  return fmt::format("; even a film of one pixel and one thread would need {} bytes", least);
+}
+
+}  // namespace
+
+JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
+    : job(render_job),
+      features(find_features(counts, render_job)),
+      kernel(select_kernel(features, render_job.mutation)),
+      sample_capacity(kernel.primary_sample_capacity(render_job.depth)) {
+  const std::uint64_t units = is_metropolis()
+                                  ? std::uint64_t{job.chains}
+                                  : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
+  workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
+  slots.world = plan_world(memory, counts);
+  slots.image = memory.add<Vec3>("image", Lifetime::kScene, pixel_count());
+  slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
+  slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
+  if (is_metropolis()) {
+    plan_metropolis();
+  } else {
+    plan_path();
+  }
+  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kRender, workers);
+}
+
+void JobPlan::plan_metropolis() {
+  const std::size_t samples = std::size_t{workers} * sample_capacity;
+  slots.bootstrap = memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender,
+                                               bootstrap_chunk_count(job.bootstrap));
+  slots.chains = memory.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
+  slots.samples = memory.add<PrimarySample>("primary samples", Lifetime::kRender, samples);
+  slots.saved = memory.add<SavedSample>("saved primary samples", Lifetime::kRender, samples);
+  slots.splats =
+      memory.add<Splat>("splats, two states", Lifetime::kRender, std::size_t{workers} * 2 * kernel.max_splats);
+  slots.films = memory.add<FilmPixel>("films, one a worker", Lifetime::kRender, workers * pixel_count());
+}
+
+void JobPlan::plan_path() {
+  slots.pixels = memory.add<PixelSum>("film", Lifetime::kRender, pixel_count());
+  slots.tiles = memory.add<TileStatistics>("tile statistics", Lifetime::kRender,
+                                           std::size_t{tile_count(job.width)} * tile_count(job.height));
+}
+
+void JobPlan::require_within_limit(const WorldCounts& counts) const {
+  if (memory.total_bytes() <= job.memory_limit) return;
+  throw ResourceError(fmt::format("--memory: the job needs {} bytes and {} are allowed{}", memory.total_bytes(),
+                                  job.memory_limit, what_would_fit(counts, job)));
+}
+
+void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {
+  storage.job = job;
+  storage.path = PathSettings{job.depth, job.roulette};
+  storage.image = arena.take(slots.image);
+  storage.workers = arena.take(slots.workers);
+  if (is_metropolis()) {
+    take_metropolis_storage(arena, storage);
+  } else {
+    storage.pixels = arena.take(slots.pixels);
+    storage.tiles = arena.take(slots.tiles);
+  }
+}
+
+void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) const {
+  storage.mutations = pixel_count() * job.samples_per_pixel;
+  storage.fraction_bits = film_fraction_bits(storage.mutations);
+  storage.bootstrap = arena.take(slots.bootstrap);
+  storage.chains = arena.take(slots.chains);
+  const std::span<PrimarySample> samples = arena.take(slots.samples);
+  const std::span<SavedSample> saved = arena.take(slots.saved);
+  const std::span<Splat> splats = arena.take(slots.splats);
+  const std::span<FilmPixel> films = arena.take(slots.films);
+  for (std::size_t i = 0; i < workers; ++i) {
+    WorkerStorage& own = storage.workers[i];
+    own.chain.samples = samples.subspan(i * sample_capacity, sample_capacity);
+    own.chain.saved = saved.subspan(i * sample_capacity, sample_capacity);
+    own.chain.current = splats.subspan(i * 2 * kernel.max_splats, kernel.max_splats);
+    own.chain.proposed = splats.subspan((i * 2 + 1) * kernel.max_splats, kernel.max_splats);
+    own.film = films.subspan(i * pixel_count(), pixel_count());
+  }
+}
+
+}  // namespace mlt

@@ -1,0 +1,59 @@
+// The memory plan of a job: which blocks, how large, and the storage that they become.
+#pragma once
+
+#include <pthread.h>
+
+#include <cstdint>
+
+#include "base/memory.hpp"
+#include "render/job.hpp"
+#include "render/kernel.hpp"
+#include "render/worker_pool.hpp"
+#include "world/world.hpp"
+
+namespace mlt {
+
+/// Names of the plan's blocks; those of the other integrator stay unused.
+struct RenderSlots {
+  WorldSlots world;
+  Slot<WorkerStack> stacks;
+  Slot<pthread_t> threads;
+  Slot<WorkerStorage> workers;
+  Slot<PrimarySample> samples;
+  Slot<SavedSample> saved;
+  Slot<Splat> splats;
+  Slot<FilmPixel> films;
+  Slot<BootstrapChunk> bootstrap;
+  Slot<ChainStatistics> chains;
+  Slot<PixelSum> pixels;
+  Slot<TileStatistics> tiles;
+  Slot<Vec3> image;
+};
+
+struct JobPlan {
+  JobPlan(const WorldCounts& counts, const RenderJob& render_job);
+
+  /// Throws ResourceError with what is needed, what --memory allows, and what would fit.
+  void require_within_limit(const WorldCounts& counts) const;
+
+  /// Hands the arena's blocks to `storage`; the world's own blocks are taken by compile_world.
+  void take_storage(Arena& arena, RenderStorage& storage) const;
+
+  std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
+  bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
+
+  RenderJob job;
+  FeatureMask features;
+  Kernel kernel;
+  std::uint32_t sample_capacity;  ///< primary samples of one path at most
+  std::uint32_t workers;          ///< threads that can have work at all
+  MemoryPlan memory;
+  RenderSlots slots;
+
+ private:
+  void plan_metropolis();
+  void plan_path();
+  void take_metropolis_storage(Arena& arena, RenderStorage& storage) const;
+};
+
+}  // namespace mlt
