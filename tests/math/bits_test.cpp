@@ -1,0 +1,109 @@
+// The floating-point contract at its root: a hash over the results of every function of math/ on a fixed
+// dense set of arguments, compared with one constant in every build. It differs as soon as a compiler
+// contracts to a fused multiply-add, reorders a sum, flushes a denormal or calls libm. A deliberate change of
+// a function changes the constant; then every golden film hash changes with it.
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cstdint>
+
+#include "math/elementary.hpp"
+#include "math/rng.hpp"
+#include "math/srgb.hpp"
+#include "math/vec.hpp"
+#include "math/warp.hpp"
+
+using namespace mlt;
+
+namespace {
+
+class BitHash {
+ public:
+  void add(float value) {
+    // The sign and payload of a NaN are the processor's; that it is one, is ours.
+    add_bits(value != value ? 0x7fc00000U : std::bit_cast<std::uint32_t>(value));
+  }
+  void add(double value) {
+    add_bits(value != value ? 0x7ff8000000000000ULL : std::bit_cast<std::uint64_t>(value));
+  }
+  void add(const Vec3& v) {
+    add(v.x);
+    add(v.y);
+    add(v.z);
+  }
+  std::uint64_t value() const { return state_; }
+
+ private:
+  void add_bits(std::uint64_t bits) { state_ = mix64(state_ ^ bits) + 0x9e3779b97f4a7c15ULL; }
+  std::uint64_t state_ = 0;
+};
+
+constexpr std::uint32_t kStride = 65521;  // a prime near 2^16: 65,552 floats of each kind, NaNs included
+
+template <class F>
+std::uint64_t hash_of(F f) {
+  BitHash hash;
+  for (std::uint64_t bits = 0; bits <= 0xffffffffULL; bits += kStride) {
+    hash.add(f(std::bit_cast<float>(static_cast<std::uint32_t>(bits))));
+  }
+  return hash.value();
+}
+
+}  // namespace
+
+TEST_CASE("float functions have the same bits in every build") {
+  CHECK(hash_of(exp_f) == 0x22bf1dd515fc8e65ULL);
+  CHECK(hash_of(exp2_f) == 0x9eb6c32b8da1d817ULL);
+  CHECK(hash_of(log_f) == 0xda990a5311b9a660ULL);
+  CHECK(hash_of(log2_f) == 0x7e5c980ec013f8a2ULL);
+  CHECK(hash_of(acos_f) == 0x885afe7705c79526ULL);
+  CHECK(hash_of(srgb_encode) == 0x13e98fd63aa8b5c3ULL);
+  CHECK(hash_of([](float x) { return pow_f(x, 0.37f); }) == 0x29b8372973d72597ULL);
+  CHECK(hash_of([](float x) { return atan2_f(x, -0.81f); }) == 0xd5ffe0d535fb0b6bULL);
+}
+
+TEST_CASE("angles have the same bits in every build") {
+  BitHash turns;
+  for (std::uint32_t i = 0; i < (1U << 24); i += 127) {
+    float s, c;
+    sincos_2pi(static_cast<float>(i) * 0x1p-24f, s, c);
+    turns.add(s);
+    turns.add(c);
+  }
+  CHECK(turns.value() == 0xe17354481a1eda1aULL);
+
+  BitHash degrees;
+  for (int i = -50000; i < 50000; ++i) {
+    const double angle = i * 0.0123456789;
+    const DSinCos value = sincos_degrees(angle);
+    degrees.add(value.sin);
+    degrees.add(value.cos);
+    degrees.add(tan_degrees(angle));
+  }
+  CHECK(degrees.value() == 0xb918be75dafabfc7ULL);
+}
+
+TEST_CASE("random streams, vectors and warps have the same bits in every build") {
+  Rng rng(42, StreamPurpose::kTest, 7);
+  BitHash draws;
+  BitHash vectors;
+  BitHash warps;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec2 u{rng.next_float(), rng.next_float()};
+    draws.add(u.x);
+    draws.add(u.y);
+    const Vec3 direction = uniform_sphere(u);
+    warps.add(direction);
+    warps.add(cosine_hemisphere(u));
+    warps.add(uniform_triangle(u));
+    warps.add(uniform_cone(u, 0.01f));
+    const Vec3 v = direction * (100.0f * u.x) + Vec3{1.5f, -2.5f, 0.1f};
+    vectors.add(normalize(v));
+    vectors.add(cross(v, direction));
+    vectors.add(dot(v, direction));
+    vectors.add(luminance(v));
+    vectors.add(Frame(normalize(v)).to_world(Frame(normalize(direction)).to_local(v)));
+  }
+  CHECK(draws.value() == 0xe6f83e6cf5812436ULL);
+  CHECK(warps.value() == 0xdb9f574e0c04018aULL);
+  CHECK(vectors.value() == 0x8de722afc531e845ULL);
+}
