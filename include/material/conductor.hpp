@@ -1,6 +1,6 @@
 // Material `conductor`: a metal, polished or rough.
-//   eta, k     R G B  real (> 0) and imaginary (>= 0) part of the refractive index, at most 1e4
-//   roughness  GGX alpha itself (not its square root), 0 for a perfect mirror or in [1e-5, 1]
+//   eta, k     R G B  real (at least 0.001) and imaginary (at least 0) part of the refractive index, at most
+//   100 roughness  GGX alpha itself (not its square root), 0 for a perfect mirror or in [1e-5, 1]
 // Exact Fresnel reflectance per channel; GGX microfacets [Walter07] with height-correlated Smith masking
 // [Heitz14 eq. 99]; visible normals are sampled, so a sample's weight is the Fresnel reflectance times
 // G2/G1 <= 1. Both sides reflect alike. Left out: light that bounces between facets (a rough metal under

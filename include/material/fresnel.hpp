@@ -21,7 +21,8 @@ inline float fresnel_dielectric(float cos_i, float cos_t, float eta) {
 /// most kMaxRefractiveIndex. With a + i b = sqrt((eta + i k)^2 - sin^2), each amplitude ratio is a quotient
 /// of complex numbers whose squared moduli are sums of squares: no difference is left to cancel.
 inline float fresnel_conductor(float cos_i, float sin2_i, float eta, float k) {
-  const float real = (eta * eta - k * k) - sin2_i;
+  // eta^2 - k^2 - sin^2, without cancellation for an index near 1.
+  const float real = ((eta - 1.0f) * (eta + 1.0f) - k * k) + cos_i * cos_i;
   const float imaginary = 2.0f * eta * k;
   const float modulus = std::sqrt(real * real + imaginary * imaginary);
   // The larger of a^2 and b^2 directly, the smaller one from a * b = imaginary / 2.

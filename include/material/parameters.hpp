@@ -1,15 +1,12 @@
 // Range checks of material parameters while a scene is compiled. The parser has checked them already, with
-// better places for its messages; these make the kernels' assumptions hold for any other source of scenes.
+// better places for its messages; these make the kernels' assumptions hold for any other source of scenes, by
+// the same limits (scene/limits.hpp).
 #pragma once
 
 #include "math/vec.hpp"
 #include "scene/description.hpp"
 
 namespace mlt {
-
-/// Above this index of refraction a metal reflects all but 0.04 % of the light, and the float Fresnel formula
-/// stays clear of overflow.
-inline constexpr double kMaxRefractiveIndex = 1e4;
 
 /// Throws InputError unless low <= value <= high (so also for NaN). `parameter` is the word of the scene
 /// file.

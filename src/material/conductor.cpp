@@ -1,18 +1,13 @@
 #include "material/conductor.hpp"
 
 #include "material/parameters.hpp"
+#include "scene/limits.hpp"
 
 namespace mlt::conductor_bsdf {
 
-namespace {
-/// The smallest real part: positive, and its square is still a normal float.
-constexpr double kMinEta = 1e-15;
-constexpr double kMinRoughness = 1e-5;
-}  // namespace
-
 void compile(const MaterialDescription& description, Material& material) {
-  require_in_range(description, "eta", description.eta, kMinEta, kMaxRefractiveIndex);
-  require_in_range(description, "k", description.k, 0.0, kMaxRefractiveIndex);
+  require_in_range(description, "eta", description.eta, kMinConductorEta, kMaxConductorEta);
+  require_in_range(description, "k", description.k, 0.0, kMaxConductorEta);
   if (description.roughness != 0.0) {
     require_in_range(description, "roughness", description.roughness, kMinRoughness, 1.0);
   }
