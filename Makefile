@@ -5,9 +5,12 @@
 #   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
 # tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
+# V=1 prints whole commands.
 # The floating-point flags hold for every variant (docs/ARCHITECTURE.md, floating-point contract).
 
 VARIANT  ?= release
+Q        := $(if $(V),,@)
+SAY      := $(if $(V),@:,@echo)
 ifeq ($(origin CXX),default)
 CXX      := g++
 endif
@@ -24,7 +27,9 @@ STAGES   := base math scene geometry material light world integrator markov film
 
 CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
-CXXFLAGS := $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g -MMD -MP -Iinclude -Itests
+# One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
+CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
+            -Itests
 LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
 LIBS     ?= -lfmt -lpng
 
@@ -52,18 +57,21 @@ build/mlt: $(OUT)/mlt
 	@ln -sf $(VARIANT)/mlt build/mlt
 
 $(OUT)/mlt: $(call stage_objects,app) $(call objects,$(MAIN))
-	$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 
 $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) | deps
 	@mkdir -p $(dir $@)
-	$(CXX) $(CXXFLAGS) -c $< -o $@
+	$(SAY) "  compile $@"
+	$(Q)$(CXX) $(CXXFLAGS) -c $< -o $@
 
 # Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
 # compiled without warnings.
 $(OUT)/tests/support/catch_main.o: WARNINGS := -w
 $(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) | deps-test
 	@mkdir -p $(dir $@)
-	$(CXX) $(CXXFLAGS) -c $< -o $@
+	$(SAY) "  compile $@"
+	$(Q)$(CXX) $(CXXFLAGS) -c $< -o $@
 
 # What a target needs of the system; does nothing when it is there (tools/install_deps.sh).
 deps:
@@ -79,7 +87,8 @@ TESTED_STAGES := $(foreach s,$(STAGES),$(if $(wildcard tests/$(s)/*.cpp),$(s)))
 SUPPORT       := $(wildcard tests/support/*.cpp)
 define STAGE_TEST
 $(OUT)/test_$(1): $$(call objects,$$(wildcard tests/$(1)/*.cpp) $$(SUPPORT)) $$(call stage_objects,$(1))
-	$$(CXX) $$(LDFLAGS) $$^ $$(LIBS) -o $$@
+	$$(SAY) "  link    $$@"
+	$$(Q)$$(CXX) $$(LDFLAGS) $$^ $$(LIBS) -o $$@
 endef
 $(foreach s,$(STAGES),$(eval $(call STAGE_TEST,$(s))))
 
@@ -117,19 +126,23 @@ memcheck: $(OUT)/film_hash
 # All of the renderer without libpng, so that it can be linked for other machines too.
 # -rdynamic lets the preloaded malloc guard see the mark of the render zone.
 $(OUT)/film_hash: $(call objects,tests/repro/film_hash.cpp) $(call stage_objects,render)
-	$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
 
 # The same with a fault planted in the render loop (include/base/planted_fault.hpp).
 PLANTED := $(OUT)/src/render/worker_pool.o
 $(OUT)/fault%/worker_pool.o: src/render/worker_pool.cpp $(FLAGS_FILE)
 	@mkdir -p $(dir $@)
-	$(CXX) $(CXXFLAGS) -DMLT_PLANTED_FAULT=$* -c $< -o $@
+	$(SAY) "  compile $@"
+	$(Q)$(CXX) $(CXXFLAGS) -DMLT_PLANTED_FAULT=$* -c $< -o $@
 $(OUT)/film_hash_fault%: $(OUT)/fault%/worker_pool.o $(call objects,tests/repro/film_hash.cpp) \
                          $(filter-out $(PLANTED),$(call stage_objects,render))
-	$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
 
 $(OUT)/malloc_guard.so: tests/proof/malloc_guard.cpp $(FLAGS_FILE) | deps
-	$(CXX) $(CONTRACT) $(WARNINGS) -O2 -g -fPIC -shared -Iinclude $< -o $@ -ldl
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(CONTRACT) $(WARNINGS) -O2 -g -fPIC -shared -Iinclude $< -o $@ -ldl
 
 proof: $(PROVED)
 	tools/proof.sh $(OUT)
@@ -159,7 +172,8 @@ refs: build/mlt
 BENCHES := $(patsubst tests/bench/%.cpp,$(OUT)/bench/%,$(wildcard tests/bench/*.cpp))
 $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
 	@mkdir -p $(dir $@)
-	$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
 bench: $(BENCHES) scenes
 	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
 

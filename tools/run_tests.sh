@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 out=${1:?folder of the variant}
 shift
 filter=()
-scripts=(tests/lint/lint.sh tools/proof.sh)
+scripts=(tests/lint/lint.sh tests/lint/planted.sh tools/proof.sh)
 if [ "${1:-}" = --slow ]; then
   shift
   filter=('[.slow]')

@@ -9,17 +9,7 @@
 #include <string>
 #include <thread>
 
-// Sanitizers and Valgrind take page faults of their own for every access to their shadow memory.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define MLT_FAULTS_ARE_OURS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-#define MLT_FAULTS_ARE_OURS 0
-#endif
-#endif
-#ifndef MLT_FAULTS_ARE_OURS
-#define MLT_FAULTS_ARE_OURS 1
-#endif
+#include "support/faults.hpp"
 
 namespace mlt {
 namespace {
