@@ -1,28 +1,22 @@
 // All shapes of a compiled scene behind two questions: what does a ray hit first, and is a segment blocked.
-// Quads and triangles share one watertight formula [Woop13]; few primitives lie in flat SIMD lists, many
-// triangles in a wide bounding volume hierarchy. Results do not depend on the structure or on the SIMD
-// width: equal distances are resolved by primitive index.
+// Quads and triangles share one watertight formula (polygon.hpp); few primitives of a kind lie in a flat list
+// of SIMD blocks, many in a wide bounding volume hierarchy (bvh.hpp). Results do not depend on the structure
+// or on the SIMD width: a hit is a property of ray and primitive, and equal distances are resolved by
+// primitive index. Memory belongs to the arena; a Geometry is a view of it, immutable after build.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "base/memory.hpp"
+#include "geometry/bvh.hpp"
+#include "geometry/bvh_builder.hpp"
+#include "geometry/polygon.hpp"
 #include "geometry/ray.hpp"
+#include "geometry/shapes.hpp"
+#include "geometry/sphere.hpp"
 
 namespace mlt {
-
-/// Input shapes in world space. A quad is a parallelogram a, b, c, d in order around it.
-struct Quad {
-  Vec3 a{0, 0, 0}, b{0, 0, 0}, c{0, 0, 0}, d{0, 0, 0};
-};
-struct Triangle {
-  Vec3 a{0, 0, 0}, b{0, 0, 0}, c{0, 0, 0};
-};
-struct Sphere {
-  Vec3 center{0, 0, 0};
-  float radius = 0;
-};
 
 /// Counts fix the memory and the choice of structures; nothing else does.
 struct GeometryCounts {
@@ -31,18 +25,83 @@ struct GeometryCounts {
   std::uint32_t spheres = 0;
 };
 
+/// Up to so many primitives of a kind lie in a flat list. The same for every SIMD width, so that the features
+/// of a scene are. Measured by tests/bench/ray_bench.cpp.
+struct FlatLimits {
+  std::uint32_t quads = 32;
+  std::uint32_t triangles = 32;
+  std::uint32_t spheres = 32;
+};
+
 struct GeometryInput {
   std::span<const Quad> quads;
   std::span<const Triangle> triangles;
   std::span<const Sphere> spheres;
 };
 
-// The class Geometry is defined by the module's author with:
-//   struct GeometrySlots;                                  // slots of its plan lines
-//   static GeometrySlots plan(MemoryPlan&, GeometryCounts) // upper bounds from counts alone
-//   static Geometry build(Arena&, const GeometrySlots&, const GeometryInput&)
-//   template <bool kGeneral> Hit intersect(const Ray&) const      // kGeneral=false: quads only, flat list
-//   template <bool kGeneral> bool occluded(const Ray&) const
-//   template <bool kGeneral> SurfacePoint surface_point(const Ray&, const Hit&) const
+/// Plan lines of one kind of primitive. A flat list has no nodes and no references.
+template <class Block>
+struct KindSlots {
+  std::uint32_t count = 0;
+  bool flat = true;
+  Slot<Block> blocks;
+  Slot<BvhNode> nodes;
+  Slot<BvhReference> references;
+};
+
+struct GeometrySlots {
+  KindSlots<PolygonBlock<4>> quads;
+  KindSlots<PolygonBlock<3>> triangles;
+  KindSlots<SphereBlock> spheres;
+};
+
+/// Primitives of one kind. Without nodes, the `block_count` blocks are a flat list.
+template <class Block>
+struct PrimitiveList {
+  const Block* blocks = nullptr;
+  std::uint32_t block_count = 0;
+  const BvhNode* nodes = nullptr;
+};
+
+class Geometry {
+ public:
+  /// Adds upper bounds of all blocks; about 77 bytes per triangle in a hierarchy, and 32 of scratch. Throws
+  /// ResourceError when a kind has more than kMaxBvhPrimitives.
+  static GeometrySlots plan(MemoryPlan& plan, const GeometryCounts& counts, const FlatLimits& limits = {});
+
+  /// `input` has the counts of the plan; all coordinates are finite, radii too. Primitives without area are
+  /// never hit.
+  static Geometry build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input);
+
+  /// Whether intersect<true> and occluded<true> are needed: whether there is more than a flat list of quads.
+  static bool is_general(const GeometryCounts& counts, const FlatLimits& limits = {});
+
+  /// The closest hit at 0 < t < ray.t_max, by (t, primitive). A ray whose direction is 0 or not finite, or
+  /// whose longest component lies outside [2^-60, 2^60], hits nothing or anything. kGeneral = false compiles
+  /// code for a flat list of quads alone.
+  template <bool kGeneral>
+  Hit intersect(const Ray& ray) const;
+
+  /// Whether intersect would find a hit.
+  template <bool kGeneral>
+  bool occluded(const Ray& ray) const;
+
+  /// The point of a hit that intersect found with the same ray.
+  template <bool kGeneral>
+  SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+
+  /// Largest absolute coordinate of any primitive.
+  float extent() const { return extent_; }
+
+ private:
+  PrimitiveList<PolygonBlock<4>> quads_;
+  PrimitiveList<PolygonBlock<3>> triangles_;
+  PrimitiveList<SphereBlock> spheres_;
+  std::uint32_t first_triangle_ = 0;  ///< primitive indices of triangles start here
+  std::uint32_t first_sphere_ = 0;
+  float extent_ = 0;
+};
 
 }  // namespace mlt
+
+#include "geometry/geometry_inline.hpp"

@@ -1,0 +1,111 @@
+// The queries of class Geometry; included by geometry.hpp alone.
+#pragma once
+
+#include "geometry/geometry.hpp"
+#include "geometry/surface.hpp"
+
+namespace mlt {
+
+/// The best hit so far. `limit` admits t = limit only for primitives below `tie_below`, which is 0 until
+/// there is a hit, as t_max itself is excluded.
+struct BestHit {
+  Hit hit;
+  float limit;
+  std::uint32_t tie_below = 0;
+
+  MLT_INLINE explicit BestHit(float t_max) : limit(t_max) {}
+
+  template <class Block>
+  MLT_INLINE void visit(const Block& block, std::uint32_t index, const RayFrame& ray) {
+    LaneFloat t;
+    unsigned bits = intersect_block(block, ray, broadcast(limit), t);
+    while (bits != 0) {
+      const int lane = take_lowest(bits);
+      const std::uint32_t primitive = block.primitive[lane];
+      if (t[lane] < limit || (t[lane] == limit && primitive < tie_below)) {
+        limit = t[lane];
+        tie_below = primitive;
+        hit = {limit, primitive, index * kLanes + static_cast<std::uint32_t>(lane)};
+      }
+    }
+  }
+
+  template <class Block>
+  MLT_INLINE void visit_flat(const PrimitiveList<Block>& list, const RayFrame& ray) {
+    for (std::uint32_t i = 0; i < list.block_count; ++i) visit(list.blocks[i], i, ray);
+  }
+
+  template <class Block>
+  MLT_INLINE void visit_list(const PrimitiveList<Block>& list, const RayFrame& ray) {
+    if (list.nodes == nullptr) {
+      visit_flat(list, ray);
+      return;
+    }
+    traverse_closest(list.nodes, ray, limit, [&](std::uint32_t block) {
+      visit(list.blocks[block], block, ray);
+      return limit;
+    });
+  }
+};
+
+/// Whether any lane lies at t < limit; blocks admit t <= limit.
+template <class Block>
+MLT_INLINE bool blocks_ray(const Block& block, const RayFrame& ray, LaneFloat limit) {
+  LaneFloat t;
+  const unsigned bits = intersect_block(block, ray, limit, t);
+  return bits != 0 && (bits & lane_bits(t < limit)) != 0;
+}
+
+template <class Block>
+MLT_INLINE bool flat_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
+    if (blocks_ray(list.blocks[i], ray, limit)) return true;
+  }
+  return false;
+}
+
+template <class Block>
+MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
+  if (list.nodes == nullptr) return flat_occluded(list, ray, limit);
+  return traverse_any(list.nodes, ray, limit[0],
+                      [&](std::uint32_t block) { return blocks_ray(list.blocks[block], ray, limit); });
+}
+
+template <bool kGeneral>
+inline Hit Geometry::intersect(const Ray& ray) const {
+  const RayFrame frame(ray, extent_);
+  BestHit best(ray.t_max);
+  if constexpr (kGeneral) {
+    best.visit_list(quads_, frame);
+    best.visit_list(spheres_, frame);
+    best.visit_list(triangles_, frame);
+  } else {
+    best.visit_flat(quads_, frame);
+  }
+  return best.hit;
+}
+
+template <bool kGeneral>
+inline bool Geometry::occluded(const Ray& ray) const {
+  const RayFrame frame(ray, extent_);
+  const LaneFloat limit = broadcast(ray.t_max);
+  if constexpr (kGeneral) {
+    return list_occluded(quads_, frame, limit) || list_occluded(spheres_, frame, limit) ||
+           list_occluded(triangles_, frame, limit);
+  } else {
+    return flat_occluded(quads_, frame, limit);
+  }
+}
+
+template <bool kGeneral>
+inline SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
+  const std::uint32_t block = hit.slot / kLanes;
+  const int lane = static_cast<int>(hit.slot % kLanes);
+  if constexpr (kGeneral) {
+    if (hit.primitive >= first_sphere_) return sphere_point(spheres_.blocks[block], lane, ray, hit.t);
+    if (hit.primitive >= first_triangle_) return polygon_point(triangles_.blocks[block], lane, ray);
+  }
+  return polygon_point(quads_.blocks[block], lane, ray);
+}
+
+}  // namespace mlt

@@ -1,0 +1,63 @@
+// Points on surfaces: where a ray met a primitive, to within a bound on the error along the normal.
+#pragma once
+
+#include <cmath>
+
+#include "geometry/polygon.hpp"
+#include "geometry/sphere.hpp"
+
+namespace mlt {
+
+inline constexpr float kUnitRoundoff = 0x1p-24f;
+
+/// Unit normal of a triangle by its edges from one corner. In double, since for needles the product of float
+/// edges is mostly rounding error.
+inline Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const DVec3 from{a};
+  return Vec3{normalize(cross(DVec3{b} - from, DVec3{c} - from))};
+}
+
+/// The point a + v (m - a) + w (c - a), m being corner b or d.
+///
+/// Rounding: with u = 2^-24 and E the sum of the absolute edges, each coordinate is off by u|p| + 4uE, and by
+/// another u|p| after the offset is added. The polygon test of a ray that leaves from there sees corners
+/// moved by up to 7uE (ray_frame.hpp), along a normal whose components sum to at most sqrt(3). The bound is
+/// their sum with a little to spare.
+template <int kVertices>
+MLT_INLINE SurfacePoint polygon_point(const PolygonBlock<kVertices>& block, int lane, const Ray& ray) {
+  const RayFrame frame(ray, 0.0f);
+  const PolygonCrossing crossing = cross_polygon(block, lane, frame);
+  const Vec3 a = block.corner(0, lane);
+  const Vec3 c = block.corner(2, lane);
+  const Vec3 to_middle = block.corner(crossing.middle, lane) - a;
+  const Vec3 to_c = c - a;
+  const double scale = 1.0 / crossing.weight_sum;
+  const auto v = static_cast<float>(crossing.weight_middle * scale);
+  const auto w = static_cast<float>(crossing.weight_c * scale);
+  SurfacePoint point;
+  point.position = a + (to_middle * v + to_c * w);
+  point.normal = unit_normal(a, block.corner(1, lane), c);
+  const Vec3 along{std::fabs(point.position.x * point.normal.x), std::fabs(point.position.y * point.normal.y),
+                   std::fabs(point.position.z * point.normal.z)};
+  const Vec3 edges{std::fabs(to_middle.x) + std::fabs(to_c.x), std::fabs(to_middle.y) + std::fabs(to_c.y),
+                   std::fabs(to_middle.z) + std::fabs(to_c.z)};
+  point.offset_bound =
+      kUnitRoundoff * (4.0f * ((along.x + along.y) + along.z) + 24.0f * max_component(edges));
+  return point;
+}
+
+/// The point is moved along its radius onto the sphere, off by 5u radius + u|p|. A ray that leaves from there
+/// must find its origin outside (or inside) by a difference of squares that is off by 7u radius^2.
+MLT_INLINE SurfacePoint sphere_point(const SphereBlock& block, int lane, const Ray& ray, float t) {
+  const Vec3 center{block.center[0][lane], block.center[1][lane], block.center[2][lane]};
+  const float radius = block.radius[lane];
+  SurfacePoint point;
+  point.normal = normalize((ray.origin + ray.direction * t) - center);
+  point.position = center + point.normal * radius;
+  const float reach =
+      (std::fabs(point.position.x) + std::fabs(point.position.y)) + std::fabs(point.position.z);
+  point.offset_bound = kUnitRoundoff * (4.0f * reach + 16.0f * radius);
+  return point;
+}
+
+}  // namespace mlt
