@@ -39,10 +39,18 @@ const std::vector<OptionSpec>& option_table();
 /// Those of `command`.
 std::vector<OptionSpec> options_of(CommandKind command);
 
-/// The names that the command line knows integrators and starts by, in the order of their enums; an
-/// underscore of the identifier is a hyphen here.
-const std::vector<std::string>& integrator_names();
-const std::vector<std::string>& start_names();
+/// A value of an enumeration as the command line spells it (an underscore of the identifier is a hyphen
+/// here).
+struct NamedKind {
+  std::string name;
+  std::string help;
+};
+
+/// In the order of their enums.
+const std::vector<NamedKind>& integrator_kinds();
+const std::vector<NamedKind>& start_kinds();
+const std::vector<NamedKind>& mutation_kinds();
+std::vector<std::string> names_of(const std::vector<NamedKind>& kinds);
 
 /// Text of `mlt --help`, and of `mlt help COMMAND` or `mlt COMMAND --help`; at most 100 columns.
 std::string general_help();

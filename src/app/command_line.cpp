@@ -18,8 +18,7 @@
 namespace mlt {
 namespace {
 
-constexpr std::uint64_t kMaxWorkPerPixel = std::uint64_t{1} << 40;
-constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 40;
+constexpr double kMaxRelMseLimit = 1e30;
 constexpr float kMaxExposure = 64;  // 2^64 brings the smallest radiance worth showing to 1
 
 [[noreturn]] void fail(const std::string& place, const std::string& message) {
@@ -41,6 +40,16 @@ struct Words {
   const std::string& get(const std::string& name) const { return options.at(name).front(); }
 };
 
+/// "--spp N", or the name alone for a switch.
+std::string usage_of(CommandKind command, const std::string& name) {
+  for (const OptionSpec& option : options_of(command)) {
+    if (option.name == name || option.short_name == name) {
+      return option.value.empty() ? name : name + " " + option.value;
+    }
+  }
+  return "options as in the help text";
+}
+
 void report_unknown(const std::string& place, CommandKind command, const std::string& word,
                     Diagnostics& diagnostics) {
   std::vector<std::string> names;
@@ -52,7 +61,18 @@ void report_unknown(const std::string& place, CommandKind command, const std::st
        "unknown option" + (hint.empty() ? std::string("; ") : hint + " ") + "see '" + place + " --help'"});
 }
 
-/// Splits `words` by the option table. Throws InputError for unknown options and missing values.
+/// Reports options given more often than allowed.
+void check_counts(CommandKind command, const Words& words, Diagnostics& diagnostics) {
+  for (const OptionSpec& option : options_of(command)) {
+    const auto found = words.options.find(option.name);
+    if (option.repeatable || found == words.options.end() || found->second.size() < 2) continue;
+    diagnostics.push_back(
+        {option.name, 0, 0, fmt::format("found {} times; expected once", found->second.size())});
+  }
+}
+
+/// Splits `words` by the option table. Throws InputError for unknown options, and for options without their
+/// value or too often.
 Words split_words(const std::string& place, CommandKind command, std::vector<std::string> words) {
   CLI::App app;
   app.set_help_flag();
@@ -62,12 +82,11 @@ Words split_words(const std::string& place, CommandKind command, std::vector<std
   for (const OptionSpec& option : options_of(command)) {
     const std::string names = option.short_name.empty() ? option.name : option.short_name + "," + option.name;
     if (option.value.empty()) {
-      app.add_flag(names, switches[option.name]);
+      app.add_flag(names, switches[option.name])->disable_flag_override();
     } else {
+      // Counted below instead of by the library, for messages that say what was found.
       CLI::Option* added = app.add_option(names, result.options[option.name]);
-      added->expected(1)->allow_extra_args(false);
-      added->multi_option_policy(option.repeatable ? CLI::MultiOptionPolicy::TakeAll
-                                                   : CLI::MultiOptionPolicy::Throw);
+      added->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     }
   }
   app.add_option("words", result.positional)->expected(0, std::numeric_limits<int>::max());
@@ -75,15 +94,23 @@ Words split_words(const std::string& place, CommandKind command, std::vector<std
   try {
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
-    fail(place, error.what());
+    // The library's text starts with the option's name.
+    const std::string text = error.what();
+    const std::string name = text.substr(0, text.find_first_of(": "));
+    if (name.starts_with("-")) fail(name, "found no value; expected " + usage_of(command, name));
+    fail(place, text + "; see '" + place + " --help'");
   }
-  Diagnostics diagnostics;
-  for (const std::string& word : app.remaining()) report_unknown(place, command, word, diagnostics);
-  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   std::erase_if(result.options, [](const auto& item) { return item.second.empty(); });
   for (const auto& [name, given] : switches) {
     if (given) result.options[name] = {""};
   }
+  Diagnostics diagnostics;
+  for (const std::string& word : app.remaining()) {
+    // The mark itself, behind which every word is positional, is handed back too.
+    if (word != "--") report_unknown(place, command, word, diagnostics);
+  }
+  check_counts(command, result, diagnostics);
+  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   return result;
 }
 
@@ -94,11 +121,11 @@ class RequestReader {
 
   RenderRequest read() {
     RenderRequest request;
-    choose("--integrator", integrator_names(), request.integrator);
+    choose("--integrator", integrator_kinds(), request.integrator);
     integer("--width", 1, kMaxFilmSide, request.width);
     integer("--height", 1, kMaxFilmSide, request.height);
-    integer("--spp", 1, kMaxWorkPerPixel, request.samples_per_pixel);
-    integer("--mutations", 1, kMaxWorkPerPixel, request.samples_per_pixel);
+    integer("--spp", 1, kMaxSamplesPerPixel, request.samples_per_pixel);
+    integer("--mutations", 1, kMaxSamplesPerPixel, request.samples_per_pixel);
     if (words_.has("--spp") && words_.has("--mutations")) {
       diagnostics_.push_back(
           {"--mutations", 0, 0, "found together with --spp, which means the same; expected one"});
@@ -106,13 +133,14 @@ class RequestReader {
     integer("--depth", 1, kMaxDepth, request.depth);
     integer("--threads", 1, kMaxThreads, request.threads);
     integer("--seed", 0, std::numeric_limits<std::uint64_t>::max(), request.seed);
-    integer("--chains", 1, std::numeric_limits<std::uint32_t>::max(), request.chains);
+    integer("--chains", 1, kMaxChains, request.chains);
     integer("--bootstrap", 1, kMaxBootstrap, request.bootstrap);
     if (words_.has("--large-step")) {
       request.large_step = parse_real("--large-step", words_.get("--large-step"), 0, 1, diagnostics_)
                                .value_or(request.large_step);
     }
-    choose("--start", start_names(), request.start);
+    choose("--start", start_kinds(), request.start);
+    choose("--mutation", mutation_kinds(), request.mutation);
     roulette(request.roulette);
     if (words_.has("--memory")) {
       request.memory_limit =
@@ -125,10 +153,10 @@ class RequestReader {
   std::vector<std::string> unused(const RenderRequest& request) const {
     std::vector<std::string> warnings;
     if (request.integrator == IntegratorKind::pssmlt) return warnings;
-    for (const char* name : {"--chains", "--bootstrap", "--large-step", "--start"}) {
+    for (const char* name : {"--chains", "--bootstrap", "--large-step", "--start", "--mutation"}) {
       if (!words_.has(name)) continue;
       warnings.push_back(fmt::format("{}: has no effect with --integrator {}", name,
-                                     integrator_names()[static_cast<std::size_t>(request.integrator)]));
+                                     integrator_kinds()[static_cast<std::size_t>(request.integrator)].name));
     }
     return warnings;
   }
@@ -145,15 +173,16 @@ class RequestReader {
   static std::uint64_t target_value(const std::uint64_t&);
 
   template <class Kind>
-  void choose(const char* name, const std::vector<std::string>& allowed, Kind& kind) {
+  void choose(const char* name, const std::vector<NamedKind>& kinds, Kind& chosen) {
     if (!words_.has(name)) return;
     const std::string& word = words_.get(name);
-    const auto found = std::find(allowed.begin(), allowed.end(), word);
-    if (found != allowed.end()) {
-      kind = static_cast<Kind>(found - allowed.begin());
-    } else {
-      diagnostics_.push_back({name, 0, 0, "found '" + word + "'" + allowed_instead(word, allowed)});
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      if (kinds[i].name == word) {
+        chosen = static_cast<Kind>(i);
+        return;
+      }
     }
+    diagnostics_.push_back({name, 0, 0, "found '" + word + "'" + allowed_instead(word, names_of(kinds))});
   }
 
   void roulette(std::optional<std::uint32_t>& target) {
@@ -237,8 +266,8 @@ Command parse_compare(const Words& words) {
   CompareCommand command;
   check_positional("mlt compare", words.positional, {"A.pfm", "B.pfm"}, diagnostics);
   if (words.has("--max-relmse")) {
-    command.max_rel_mse = parse_double("--max-relmse", words.get("--max-relmse"), 0,
-                                       std::numeric_limits<double>::max(), diagnostics);
+    command.max_rel_mse =
+        parse_double("--max-relmse", words.get("--max-relmse"), 0, kMaxRelMseLimit, diagnostics);
   }
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.image = words.positional[0];
@@ -256,7 +285,7 @@ Command parse_classic(const std::vector<std::string>& words) {
   };
   command.request.width = static_cast<std::uint32_t>(number(0, "WIDTH", kMaxFilmSide));
   command.request.height = static_cast<std::uint32_t>(number(1, "HEIGHT", kMaxFilmSide));
-  command.request.samples_per_pixel = number(2, "MUTATIONS", kMaxWorkPerPixel);
+  command.request.samples_per_pixel = number(2, "MUTATIONS", kMaxSamplesPerPixel);
   command.request.threads = static_cast<std::uint32_t>(number(3, "THREADS", kMaxThreads));
   command.request.depth = static_cast<std::uint32_t>(number(4, "DEPTH", kMaxDepth));
   if (!complete || !diagnostics.empty()) throw InputError(std::move(diagnostics));
@@ -275,15 +304,16 @@ bool is_help(const std::string& word) {
 }
 
 CommandKind command_of(const std::string& word) {
-  const std::vector<std::string> names = command_names();
+  std::vector<std::string> names = command_names();
   const auto found = std::find(names.begin(), names.end(), word);
   if (found != names.end()) return static_cast<CommandKind>(found - names.begin());
   struct stat status {};
   if (::stat(word.c_str(), &status) == 0) {
     fail("mlt", "found the file '" + word + "' where a command belongs; expected 'mlt render " + word + "'");
   }
+  names.insert(names.end(), {"--help", "--version"});
   fail("mlt", (word.starts_with("-") ? "unknown option '" : "unknown command '") + word + "'" +
-                  allowed_instead(word, names) + ", --help or --version");
+                  allowed_instead(word, names));
 }
 
 Command parse_help(const std::vector<std::string>& words) {

@@ -19,20 +19,15 @@ std::string with_hyphens(std::string identifier) {
 }
 
 /// "name: help; name: help"
-std::string integrator_list() {
+std::string list_of(const std::vector<NamedKind>& kinds) {
   std::string text;
-#define MLT_ITEM(name, help) text += (text.empty() ? "" : "; ") + with_hyphens(#name) + ": " + (help);
-  MLT_INTEGRATOR_KINDS(MLT_ITEM)
-#undef MLT_ITEM
+  for (const NamedKind& kind : kinds) text += (text.empty() ? "" : "; ") + kind.name + ": " + kind.help;
   return text;
 }
 
-std::string start_list() {
-  std::string text;
-#define MLT_ITEM(name, help) text += (text.empty() ? "" : "; ") + with_hyphens(#name) + ": " + (help);
-  MLT_START_KINDS(MLT_ITEM)
-#undef MLT_ITEM
-  return text;
+template <class Enum>
+const std::string& name_of(const std::vector<NamedKind>& kinds, Enum kind) {
+  return kinds[static_cast<std::size_t>(kind)].name;
 }
 
 std::string format_list() {
@@ -63,9 +58,10 @@ void add_job_options(std::vector<OptionSpec>& table) {
     table.push_back({name, "", value, false, both, std::move(help)});
   };
   add("--integrator", "NAME",
-      fmt::format("{}. Default: {}", integrator_list(),
-                  integrator_names()[static_cast<std::size_t>(defaults.integrator)]));
-  add("--spp", "N", "work per pixel: samples (path) or mutations (pssmlt), at least 1");
+      fmt::format("{}. Default: {}", list_of(integrator_kinds()),
+                  name_of(integrator_kinds(), defaults.integrator)));
+  add("--spp", "N",
+      fmt::format("work per pixel: samples (path) or mutations (pssmlt), 1 to {}", kMaxSamplesPerPixel));
   add("--mutations", "N", "another name of --spp; only one of the two may be given");
   add("--width", "N", fmt::format("image width in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
   add("--height", "N", fmt::format("image height in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
@@ -75,14 +71,20 @@ void add_job_options(std::vector<OptionSpec>& table) {
           "directly, 2 adds direct illumination, each further one a bounce. Default: the scene's, else {}",
           kMaxDepth, kDefaultDepth));
   add("--seed", "N", "any 64-bit integer; another seed gives other noise. Default: 0");
-  add("--chains", "N", "pssmlt: number of Markov chains. Default: from the number of mutations");
+  add("--chains", "N",
+      fmt::format("pssmlt: number of Markov chains, 1 to {}. Default: from the number of mutations",
+                  kMaxChains));
   add("--bootstrap", "N",
-      "pssmlt: number of paths that seed the chains. Default: from the number of mutations");
+      fmt::format(
+          "pssmlt: number of paths that seed the chains, 1 to {}. Default: from the number of mutations",
+          kMaxBootstrap));
   add("--large-step", "P",
       fmt::format("pssmlt: probability of a large step, 0 to 1; default {}", defaults.large_step));
   add("--start", "NAME",
-      fmt::format("pssmlt: {}. Default: {}", start_list(),
-                  start_names()[static_cast<std::size_t>(defaults.start)]));
+      fmt::format("pssmlt: {}. Default: {}", list_of(start_kinds()), name_of(start_kinds(), defaults.start)));
+  add("--mutation", "NAME",
+      fmt::format("pssmlt: kind of small step. {}. Default: {}", list_of(mutation_kinds()),
+                  name_of(mutation_kinds(), defaults.mutation)));
   add("--roulette", "N|off",
       fmt::format("first path edge that Russian roulette may end, 1 to {}, or off", kMaxDepth));
   add("--threads", "N",
@@ -137,21 +139,26 @@ std::vector<std::string> command_names() {
   };
 }
 
-const std::vector<std::string>& integrator_names() {
-  static const std::vector<std::string> names{
-#define MLT_NAME(name, help) with_hyphens(#name),
-      MLT_INTEGRATOR_KINDS(MLT_NAME)
-#undef MLT_NAME
-  };
-  return names;
+#define MLT_KIND(name, help) NamedKind{with_hyphens(#name), help},
+const std::vector<NamedKind>& integrator_kinds() {
+  static const std::vector<NamedKind> kinds{MLT_INTEGRATOR_KINDS(MLT_KIND)};
+  return kinds;
 }
 
-const std::vector<std::string>& start_names() {
-  static const std::vector<std::string> names{
-#define MLT_NAME(name, help) with_hyphens(#name),
-      MLT_START_KINDS(MLT_NAME)
-#undef MLT_NAME
-  };
+const std::vector<NamedKind>& start_kinds() {
+  static const std::vector<NamedKind> kinds{MLT_START_KINDS(MLT_KIND)};
+  return kinds;
+}
+
+const std::vector<NamedKind>& mutation_kinds() {
+  static const std::vector<NamedKind> kinds{MLT_MUTATION_KINDS(MLT_KIND)};
+  return kinds;
+}
+#undef MLT_KIND
+
+std::vector<std::string> names_of(const std::vector<NamedKind>& kinds) {
+  std::vector<std::string> names;
+  for (const NamedKind& kind : kinds) names.push_back(kind.name);
   return names;
 }
 

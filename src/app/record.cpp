@@ -13,7 +13,7 @@ namespace mlt {
 namespace {
 
 const std::string& integrator_name(const RenderJob& job) {
-  return integrator_names()[static_cast<std::size_t>(job.integrator)];
+  return integrator_kinds()[static_cast<std::size_t>(job.integrator)].name;
 }
 
 /// "1.27 M"
@@ -21,7 +21,7 @@ std::string with_factor(double value) {
   if (value >= 1e9) return fmt::format("{:.2f} G", value / 1e9);
   if (value >= 1e6) return fmt::format("{:.2f} M", value / 1e6);
   if (value >= 1e3) return fmt::format("{:.2f} k", value / 1e3);
-  return fmt::format("{:.2f} ", value);
+  return fmt::format("{:.2f}", value);
 }
 
 class JsonObject {
@@ -72,8 +72,10 @@ std::string canonical_command(const std::string& scene, const RenderJob& job, fl
                   shell_quote(name), integrator_name(job), is_pssmlt ? "mutations" : "spp",
                   job.samples_per_pixel, job.width, job.height, job.depth, job.seed);
   if (is_pssmlt) {
-    command += fmt::format(" --chains {} --bootstrap {} --large-step {} --start {}", job.chains,
-                           job.bootstrap, job.large_step, start_names()[static_cast<std::size_t>(job.start)]);
+    command +=
+        fmt::format(" --chains {} --bootstrap {} --large-step {} --start {}", job.chains, job.bootstrap,
+                    job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
+                    mutation_kinds()[static_cast<std::size_t>(job.mutation)].name);
   }
   command += " --roulette " + (job.roulette == 0 ? std::string("off") : std::to_string(job.roulette));
   if (exposure != 0.0f) command += fmt::format(" --exposure {}", exposure);
@@ -153,7 +155,7 @@ std::string summary(const RenderRecord& record) {
   if (statistics.partial) add("partial", "stopped before the end; the image shows what was done");
   add("time",
       fmt::format("{:.3f} s, processors busy {:.3f} s", statistics.wall_seconds, statistics.cpu_seconds));
-  add("rate", fmt::format("{}{}/s", with_factor(rate), is_pssmlt ? "mutations" : "samples"));
+  add("rate", fmt::format("{} {}/s", with_factor(rate), is_pssmlt ? "mutations" : "samples"));
   if (is_pssmlt) {
     add("acceptance, large", fmt::format("{:.2f} %", 100 * statistics.acceptance_large));
     add("acceptance, small", fmt::format("{:.2f} %", 100 * statistics.acceptance_small));

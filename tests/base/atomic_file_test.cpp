@@ -8,35 +8,14 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace mlt {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "mlt-atomic-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
-  }
-  fs::path path;
-};
-
-std::string content_of(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 void write_file(const std::string& path, const std::string& text) {
   AtomicFile file(path);
@@ -48,14 +27,14 @@ TEST_CASE("an atomic file appears whole on commit and replaces what was there") 
   const TemporaryFolder folder;
   const std::string path = folder / "out.bin";
   write_file(path, std::string("a\0b", 3));
-  CHECK(content_of(path) == std::string("a\0b", 3));
+  CHECK(read_text(path) == std::string("a\0b", 3));
   {
     AtomicFile file(path);
     REQUIRE(file.write("second", 6));
-    CHECK(content_of(path) == std::string("a\0b", 3));
+    CHECK(read_text(path) == std::string("a\0b", 3));
     file.commit();
   }
-  CHECK(content_of(path) == "second");
+  CHECK(read_text(path) == "second");
   CHECK(folder.file_count() == 1);
 }
 
@@ -68,7 +47,7 @@ TEST_CASE("an atomic file that is not committed leaves nothing and changes nothi
     CHECK(replaced.write("new", 3));
     CHECK(fresh.write("new", 3));
   }
-  CHECK(content_of(folder / "old") == "old");
+  CHECK(read_text(folder / "old") == "old");
   CHECK(folder.file_count() == 1);
 }
 
@@ -92,7 +71,7 @@ TEST_CASE("a symbolic link stays and what it points to is replaced") {
   write_file(folder / "target", "old");
   fs::create_symlink(folder / "target", folder / "link");
   write_file(folder / "link", "new");
-  CHECK(content_of(folder / "target") == "new");
+  CHECK(read_text(folder / "target") == "new");
   CHECK(fs::is_symlink(folder / "link"));
 }
 
@@ -144,7 +123,7 @@ TEST_CASE("a folder or file without write permission is bad input") {
   const TemporaryFolder folder;
   write_file(folder / "kept", "x");
   REQUIRE(::chmod((folder / "kept").c_str(), 0444) == 0);
-  REQUIRE(::chmod(folder.path.c_str(), 0555) == 0);
+  REQUIRE(::chmod(folder.path().c_str(), 0555) == 0);
   const auto is_refused = [](const std::string& path) {
     return exit_code_of([&path] {
       // Root writes anywhere; "nobody" does not.
@@ -158,7 +137,7 @@ TEST_CASE("a folder or file without write permission is bad input") {
     });
   };
   CHECK(is_refused(folder / "fresh") == 2);
-  REQUIRE(::chmod(folder.path.c_str(), 0777) == 0);
+  REQUIRE(::chmod(folder.path().c_str(), 0777) == 0);
   CHECK(is_refused(folder / "fresh") == 0);
   CHECK(is_refused(folder / "kept") == 2);
 }
@@ -191,7 +170,7 @@ TEST_CASE("a full disk is a resource limit, names the file and leaves nothing") 
       return 0;
     });
     CHECK(code == 3);
-    CHECK(content_of(folder / "old") == "old");
+    CHECK(read_text(folder / "old") == "old");
     CHECK(folder.file_count() == 1);
   }
 }
