@@ -132,15 +132,14 @@ struct BlockEdges<4> {
   MLT_INLINE explicit BlockEdges(const ShearedBlock<4>& s)
       : ab(s.edge(0, 1)), bc(s.edge(1, 2)), ca(s.edge(2, 0)), cd(s.edge(2, 3)), da(s.edge(3, 0)) {}
 
-  /// With the sign of ca divided out, a point of triangle a, b, c has positive functions of ab and bc, a
-  /// point of triangle a, c, d negative ones of cd and da. A point on the diagonal, where ca is 0 with either
-  /// sign bit, is in the closure of both triangles, and one of the two conditions holds.
+  /// With the sign of ca divided out, a point of triangle a, b, c has positive functions of ab and bc, a point
+  /// of triangle a, c, d negative ones of cd and da. Where ca is zero, its sign says nothing.
   MLT_INLINE LaneInt maybe_inside() const {
     const LaneFloat zero{};
     const LaneInt sign = sign_of_ca();
     const LaneFloat first = min_lanes(floats_of(bits_of(ab) ^ sign), floats_of(bits_of(bc) ^ sign));
     const LaneFloat second = max_lanes(floats_of(bits_of(cd) ^ sign), floats_of(bits_of(da) ^ sign));
-    return (first >= zero) | (second <= zero);
+    return (first >= zero) | (second <= zero) | (ca == zero);
   }
   /// Strictly inside triangle a, b, c.
   MLT_INLINE LaneInt surely_in_first() const {
