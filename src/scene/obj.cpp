@@ -78,22 +78,22 @@ void ObjReader::read_line() {
 }
 
 void ObjReader::read_vertex() {
-  double position[3] = {};
-  for (double& coordinate : position) {
-    const std::string_view word = scanner_.word_on_line(true);
-    if (word.empty()) scanner_.fail("the line ends where a coordinate is expected; the form is: v X Y Z");
-    const NumberFault fault = parse_number(word, coordinate);
-    if (fault != NumberFault::kNone) {
-      scanner_.fail(describe_fault(fault, word) + "; a coordinate is expected, the form is: v X Y Z");
-    }
-  }
   if (mesh_.vertices.size() >= budget_.vertices) {
     throw ResourceError(name_ + ": more than " + std::to_string(budget_.vertices) +
                         " vertices, which is what the limit of " + std::to_string(kMaxMeshVertices) +
                         " for a scene leaves");
   }
+  // Counted even if it turns out faulty, so that the faces that use it are not reported too.
+  DVec3& position = mesh_.vertices.emplace_back(0, 0, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = scanner_.word_on_line(true);
+    if (word.empty()) scanner_.fail("the line ends where a coordinate is expected; the form is: v X Y Z");
+    const NumberFault fault = parse_number(word, position[axis]);
+    if (fault != NumberFault::kNone) {
+      scanner_.fail(describe_fault(fault, word) + "; a coordinate is expected, the form is: v X Y Z");
+    }
+  }
   // A weight or a colour may follow; both are ignored.
-  mesh_.vertices.push_back(DVec3{position[0], position[1], position[2]});
 }
 
 void ObjReader::read_face() {
