@@ -62,14 +62,19 @@ constexpr std::uint64_t bootstrap_chunk_count(std::uint64_t paths) {
   return (paths + kBootstrapChunk - 1) / kBootstrapChunk;
 }
 
-/// Calls visit(path index, target) for each path of a chunk, in order.
+/// Calls visit(path index, target) for each path of a chunk, in order. The replay context's step is the path's
+/// index, so that a path that fails can be told also when a chain's search for its start evaluates it.
 template <class Integrator, class Visit>
 void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std::uint64_t chunk_index,
                            std::uint64_t paths, Contribution& contribution, DefectCounts& defects,
                            Visit&& visit) {
   const std::uint64_t first = chunk_index * kBootstrapChunk;
   const std::uint64_t last = first + kBootstrapChunk < paths ? first + kBootstrapChunk : paths;
+  ReplayContext& context = replay_context();
+  context.seed = seed;
+  context.unit = chunk_index;
   for (std::uint64_t index = first; index < last; ++index) {
+    context.step = index;
     IndependentSampler sampler(bootstrap_stream(seed, index));
     evaluate_into(integrator, sampler, contribution, defects);
     visit(index, contribution.target());

@@ -5,12 +5,14 @@
 //   (b / M) * sum over states of a_i F / (I + p w)  +  (w / M) * sum over large steps of F / (I + p w),
 // where a_i are the expected-value weights of the Metropolis samples. For any w > 0 both sums have the right
 // expectation together, so a wrong w costs variance and no bias; b multiplies once, at development.
+// docs/ESTIMATOR.md derives it.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "base/assert.hpp"
+#include "markov/acceptance.hpp"
 #include "markov/bootstrap.hpp"
 #include "markov/contribution.hpp"
 #include "markov/primary_samples.hpp"
@@ -70,6 +72,7 @@ class Chain {
   /// Replays the start, makes all mutations and returns what was counted.
   ChainStatistics run(const SeedPath& start) {
     ReplayContext& context = replay_context();
+    context.seed = settings_.seed;
     context.unit = settings_.chain_index;
     context.step = 0;
     samples_.begin_initial(bootstrap_stream(settings_.seed, start.index));
@@ -88,7 +91,7 @@ class Chain {
 
  private:
   void mutate() {
-    const bool large_step = samples_.rng().next_float() < settings_.large_step;
+    const bool large_step = happens(samples_.rng(), settings_.large_step);
     samples_.begin_proposal(large_step);
     evaluate_into(integrator_, samples_, proposed_.contribution, statistics_.defects);
 
@@ -99,7 +102,7 @@ class Chain {
     proposed_.metropolis_weight = acceptance;
     proposed_.uniform_weight = large_step ? 1.0 : 0.0;
     current_.metropolis_weight += 1.0 - static_cast<double>(acceptance);
-    if (samples_.rng().next_float() < acceptance) {
+    if (happens(samples_.rng(), acceptance)) {
       samples_.accept();
       flush(current_);
       swap_states();

@@ -97,9 +97,10 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
   enum class Mode : std::uint8_t { kInitial, kLarge, kSmall };
 
   /// Brings a sample to the current state, one step before the proposal. A sample older than the last large
-  /// step, or never asked for, is uniform and independent of all others.
+  /// step, or never asked for, is uniform and independent of all others, and the steps that it missed since
+  /// would leave it so: it is drawn as of now.
   void catch_up(PrimarySample& sample) {
-    if (sample.time < large_step_time_) sample = PrimarySample{large_step_time_, rng_.next_fixed()};
+    if (sample.time < large_step_time_) sample = PrimarySample{time_ - 1, rng_.next_fixed()};
     for (; sample.time + 1 < time_; ++sample.time) sample.value += Mutation::step(rng_);
   }
 
