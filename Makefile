@@ -98,7 +98,7 @@ $(OUT)/test_app: | $(OUT)/mlt
 export MLT_BINARY := $(OUT)/mlt
 
 # What the proofs of fixed memory look at.
-PROVED := $(OUT)/film_hash $(foreach k,1 2 3 4 5,$(OUT)/film_hash_fault$(k)) $(OUT)/malloc_guard.so
+PROVED := $(OUT)/film_hash $(foreach k,1 2 3 4 5 6,$(OUT)/film_hash_fault$(k)) $(OUT)/malloc_guard.so
 
 T ?= base
 unit: $(OUT)/test_$(T)

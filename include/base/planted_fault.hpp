@@ -1,5 +1,5 @@
 // Faults planted on purpose, one per layer of the proof that a render neither allocates, locks, grows, faults
-// nor throws (tests/proof): a build with MLT_PLANTED_FAULT=1..5 must be caught. The worker loop calls
+// nor throws (tests/proof): a build with MLT_PLANTED_FAULT=1..6 must be caught. The worker loop calls
 // planted_fault() once per unit of work; in every other build it is empty. Inline, so that the fault's
 // symbols stand in the object of the render loop, where the symbol check looks for them.
 #pragma once
@@ -19,6 +19,7 @@ inline constexpr int kFaultLock = 2;
 inline constexpr int kFaultGrowthCall = 3;
 inline constexpr int kFaultPage = 4;
 inline constexpr int kFaultThrow = 5;
+inline constexpr int kFaultRecursion = 6;
 
 /// Address space reserved when the process starts, of which no page is present.
 struct UntouchedPages {
@@ -30,6 +31,13 @@ struct UntouchedPages {
 };
 inline UntouchedPages g_untouched_pages;
 inline pthread_mutex_t g_planted_mutex = PTHREAD_MUTEX_INITIALIZER;
+
+/// Through a volatile, because a compiler turns a recursion that it understands into a loop.
+__attribute__((noinline)) inline int planted_recursion(volatile int& depth) {
+  if (depth == 0) return 0;
+  depth = depth - 1;
+  return 1 + planted_recursion(depth) * depth;
+}
 
 inline void planted_fault() {
   if constexpr (MLT_PLANTED_FAULT == kFaultAllocation) {
@@ -50,8 +58,11 @@ inline void planted_fault() {
       throw MLT_PLANTED_FAULT;
     } catch (int) {
     }
+  } else if constexpr (MLT_PLANTED_FAULT == kFaultRecursion) {
+    volatile int depth = 3;
+    planted_recursion(depth);
   } else {
-    static_assert(MLT_PLANTED_FAULT >= 1 && MLT_PLANTED_FAULT <= 5);
+    static_assert(MLT_PLANTED_FAULT >= kFaultAllocation && MLT_PLANTED_FAULT <= kFaultRecursion);
   }
 }
 
