@@ -20,15 +20,21 @@ namespace mlt {
 /// origin.
 inline constexpr float kOffsetPerDistance = 0x1p-20f;
 
-/// A density that is no positive finite number stands for "no sample".
-inline float valid_density(float pdf) {
-  return pdf > 0.0f && pdf <= std::numeric_limits<float>::max() ? pdf : 0.0f;
+/// numerator / denominator as a density, or 0 ("no sample") where that is no positive finite number.
+inline float density_or_zero(float numerator, float denominator) {
+  if (!(denominator > 0.0f)) return 0.0f;
+  const float pdf = numerator / denominator;
+  return pdf <= std::numeric_limits<float>::max() ? pdf : 0.0f;
 }
 
-/// Density by solid angle of a point chosen uniformly on `area`, at squared distance and |cosine| on the
-/// light.
+/// Density by solid angle of a point chosen uniformly on `area`, at squared distance and cosine on the light.
 inline float area_pdf_solid_angle(float area, float distance_squared, float cosine) {
-  return valid_density(distance_squared / (std::fabs(cosine) * area));
+  return density_or_zero(distance_squared, std::fabs(cosine) * area);
+}
+
+/// Density by solid angle within a cone, uniform.
+inline float cone_pdf_solid_angle(float one_minus_cos_max) {
+  return density_or_zero(1.0f, 2.0f * kPi * one_minus_cos_max);
 }
 
 /// Completes a sample at `point` of a surface with this normal, uniform by area.
@@ -103,7 +109,7 @@ inline LightSample sample_sphere_cone(const Light& light, const SphereCone& cone
   sample.position = light.origin + normal * (light.radius + offset);
   sample.direction = frame.to_world(Vec3{sin_theta * cosine_phi, sin_theta * sine_phi, cos_theta});
   sample.radiance = light.radiance;
-  sample.pdf_solid_angle = valid_density(uniform_cone_pdf_solid_angle(cone.one_minus_cos_max));
+  sample.pdf_solid_angle = cone_pdf_solid_angle(cone.one_minus_cos_max);
   return sample;
 }
 
@@ -137,7 +143,7 @@ inline float one_light_pdf_solid_angle(const Light& light, const Vec3& reference
     case LightShape::kSphere: {
       SphereCone cone;
       if (sphere_cone(light, reference, cone)) {
-        return valid_density(uniform_cone_pdf_solid_angle(cone.one_minus_cos_max));
+        return cone_pdf_solid_angle(cone.one_minus_cos_max);
       }
       return area_pdf_solid_angle(light.area, distance_squared,
                                   dot((position - light.origin) * (1.0f / light.radius), wi));

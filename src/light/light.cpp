@@ -3,7 +3,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "geometry/geometry.hpp"
+#include "geometry/shapes.hpp"
 
 namespace mlt {
 
