@@ -22,7 +22,9 @@ inline constexpr std::uint32_t kMaxFractionBits = 40;
 
 /// Fraction bits for a film that takes `mutations` mutations (>= 1) in all; below kMinFractionBits when there
 /// is no headroom for so many. With 2^k >= mutations, all of them in one pixel sum to at most
-/// 14 * 2^(k + bits) plus 2^(k - 1) of rounding, which is below 2^63 for k + bits = 59.
+/// 14 * 2^(k + bits). Chains splat at most 2^(k + 1) states; rounding adds half a unit for each of their s
+/// splats, s * 2^k in all. With k + bits <= 59 the sum is below 2^63 as long as s * 2^k <= 2^60
+/// (docs/ESTIMATOR.md).
 constexpr std::uint32_t film_fraction_bits(std::uint64_t mutations) {
   std::uint32_t count_bits = 0;
   while (count_bits < 59 && (std::uint64_t{1} << count_bits) < mutations) ++count_bits;
@@ -30,7 +32,7 @@ constexpr std::uint32_t film_fraction_bits(std::uint64_t mutations) {
   return bits < kMaxFractionBits ? bits : kMaxFractionBits;
 }
 
-/// A double in [0, 14 * 2^59] to the nearest integer (ties up).
+/// A double in [0, 14 * 2^59] to the nearest integer (ties up); to the nearest double from 2^53 on.
 inline std::int64_t to_fixed(double scaled) {
   MLT_CHECK_OP(scaled, >=, 0.0);
   MLT_CHECK_OP(scaled, <=, 14.0 * 0x1p59);

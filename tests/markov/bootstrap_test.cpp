@@ -14,7 +14,7 @@ namespace {
 
 /// Luminances of many orders of magnitude; three of four paths are black.
 struct UnevenToy {
-  static constexpr std::uint32_t kPixels = 1, kCapacity = 2, kMaxSplats = 1;
+  static constexpr std::uint32_t kMaxSplats = 1;
 
   template <class Sampler, class Sink>
   void evaluate(Sampler& sampler, Sink&& sink) const {

@@ -21,7 +21,7 @@ using Kelemen = Mutation<MutationKind::kelemen>;
 
 /// Notes the first primary sample of each evaluation; all paths have the same target.
 struct RecordingToy {
-  static constexpr std::uint32_t kPixels = 1, kCapacity = 1, kMaxSplats = 1;
+  static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable std::vector<std::uint32_t> log;
 
   template <class Sampler, class Sink>
@@ -104,7 +104,7 @@ TEST_CASE("pitfall 10: a chain does not replay the bootstrap path of its own ind
 
 /// The start at pixel 0 with target 1; every proposal at pixel 1 with half of it.
 struct HalvingToy {
-  static constexpr std::uint32_t kPixels = 2, kCapacity = 1, kMaxSplats = 1;
+  static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable bool started = false;
 
   template <class Sampler, class Sink>
@@ -219,7 +219,7 @@ TEST_CASE("the start is splatted when it is left, and the last state with the sa
 
 /// Breaks the replay: the evaluation number `drifting_call` is brighter by a few ulp.
 struct DriftingToy {
-  static constexpr std::uint32_t kPixels = 1, kCapacity = 1, kMaxSplats = 1;
+  static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   int drifting_call;
   mutable int calls = 0;
 
@@ -249,7 +249,7 @@ ChildResult run_drifting(int drifting_call) {
 
 /// A start of target 1; every proposal has 2^-26 of it.
 struct CliffToy {
-  static constexpr std::uint32_t kPixels = 1, kCapacity = 1, kMaxSplats = 1;
+  static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable bool started = false;
 
   template <class Sampler, class Sink>

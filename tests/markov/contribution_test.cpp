@@ -163,7 +163,7 @@ TEST_CASE("pitfall 3 and 4: injected defects are counted, rejected and leave the
 
 /// Scripted targets: the n-th evaluation has the n-th value, the last one for ever.
 struct ScriptedToy {
-  static constexpr std::uint32_t kPixels = 1, kCapacity = 1, kMaxSplats = 1;
+  static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   std::vector<float> values;
   mutable std::size_t next = 0;
 

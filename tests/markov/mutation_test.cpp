@@ -58,12 +58,10 @@ TEST_CASE("steps forwards and backwards are equally likely at every length") {
     INFO(name);
     Rng rng(1, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind));
     std::array<std::uint64_t, 64> forwards{}, backwards{};
-    double sum = 0;
     constexpr int kSteps = 1000000;
     std::vector<double> samples(kSteps);
     for (double& distance : samples) {
       distance = signed_distance(Mutation<kKind>::step(rng));
-      sum += distance;
       const auto cell = static_cast<std::size_t>(std::fabs(distance) * 1024);  // of 1/16 in 64 cells
       REQUIRE(cell < forwards.size());
       ++(distance < 0 ? backwards : forwards)[cell];

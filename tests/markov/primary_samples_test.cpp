@@ -136,7 +136,7 @@ TEST_CASE("pitfall 19: a sample untouched for n steps is distributed as after n 
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     for (std::size_t k = 0; k < skipped.size(); ++k) {
       INFO(name << ", " << skipped[k] << " steps");
-      // Few steps stay near: cells of a 16th of the circle's part they reach.
+      // Cells as wide as the distances need: 64 of them cover a 32nd, an eighth or the whole of the circle.
       const std::uint32_t shift = k == 0 ? 21 : k == 1 ? 23 : 26;
       std::vector<std::uint64_t> lazy(kCells + 1), direct(kCells + 1);
       const auto cell = [&](std::uint32_t distance) {
