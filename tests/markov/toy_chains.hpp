@@ -117,7 +117,7 @@ class DoubleFilm {
 
 /// The image of one job, developed with b from the bootstrap alone. With a frozen w this is unbiased exactly,
 /// even with few bootstrap paths and short chains: a chain's start weighted by that b estimates the integral
-/// without bias [Veach97 section 11.3.1].
+/// without bias [Veach97 chapter 11].
 template <class Mutation, class Integrator>
 std::vector<double> render_toy(const Integrator& integrator, const ToyJob& job) {
   const ToyBootstrap bootstrap = run_bootstrap(integrator, job.seed, job.bootstrap);
