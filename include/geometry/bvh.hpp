@@ -38,6 +38,7 @@ MLT_INLINE unsigned entered_children(const BvhNode& node, const RayFrame& ray, L
                                      LaneFloat& entry) {
   LaneFloat exit = limit;
   entry = LaneFloat{};
+#pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     const int near_side = ray.near_side[axis];
     const LaneFloat near_plane = node.planes[axis][near_side];

@@ -54,6 +54,7 @@ MLT_INLINE T edge_function(T px, T py, T qx, T qy) {
 template <int kVertices>
 PolygonCrossing cross_polygon(const PolygonBlock<kVertices>& block, int lane, const RayFrame& ray) {
   double x[kVertices], y[kVertices], z[kVertices];
+#pragma GCC unroll 4
   for (int i = 0; i < kVertices; ++i) {
     // In float as in the vector test, so that both see the same sheared vertices.
     const float depth = block.corners[ray.axis_z][i][lane] - ray.origin_z[0];
@@ -91,6 +92,7 @@ struct ShearedBlock {
     const LaneFloat* corner_x = block.corners[ray.axis_x];
     const LaneFloat* corner_y = block.corners[ray.axis_y];
     const LaneFloat* corner_z = block.corners[ray.axis_z];
+#pragma GCC unroll 4
     for (int i = 0; i < kVertices; ++i) {
       z[i] = corner_z[i] - ray.origin_z;
       x[i] = (corner_x[i] - ray.origin_x) - ray.shear_x * z[i];
@@ -98,7 +100,9 @@ struct ShearedBlock {
     }
   }
 
-  MLT_INLINE LaneFloat edge(int p, int q) const { return edge_function(x[p], y[p], x[q], y[q]); }
+  MLT_INLINE LaneFloat edge(int p, int q) const {
+    return edge_function(x[p], y[p], x[q], y[q]);
+  }
 };
 
 /// Edge functions of one block, and the lanes that they do not exclude.
@@ -132,8 +136,8 @@ struct BlockEdges<4> {
   MLT_INLINE explicit BlockEdges(const ShearedBlock<4>& s)
       : ab(s.edge(0, 1)), bc(s.edge(1, 2)), ca(s.edge(2, 0)), cd(s.edge(2, 3)), da(s.edge(3, 0)) {}
 
-  /// With the sign of ca divided out, a point of triangle a, b, c has positive functions of ab and bc, a point
-  /// of triangle a, c, d negative ones of cd and da. Where ca is zero, its sign says nothing.
+  /// With the sign of ca divided out, a point of triangle a, b, c has positive functions of ab and bc, a
+  /// point of triangle a, c, d negative ones of cd and da. Where ca is zero, its sign says nothing.
   MLT_INLINE LaneInt maybe_inside() const {
     const LaneFloat zero{};
     const LaneInt sign = sign_of_ca();
@@ -186,6 +190,7 @@ MLT_INLINE MetTriangles met_triangles(const ShearedBlock<4>& s, const BlockEdges
 template <int kVertices>
 MLT_INLINE LaneFloat largest_magnitude(const LaneFloat (&values)[kVertices]) {
   LaneFloat largest = abs_lanes(values[0]);
+#pragma GCC unroll 4
   for (int i = 1; i < kVertices; ++i) largest = max_lanes(largest, abs_lanes(values[i]));
   return largest;
 }
@@ -195,8 +200,10 @@ MLT_INLINE LaneFloat largest_magnitude(const LaneFloat (&values)[kVertices]) {
 template <int kVertices>
 MLT_INLINE LaneFloat box_entry(const PolygonBlock<kVertices>& block, const RayFrame& ray) {
   LaneFloat entry{};
+#pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     LaneFloat nearest = (block.corners[axis][0] - ray.near_origin[axis]) * ray.inverse[axis];
+#pragma GCC unroll 4
     for (int i = 1; i < kVertices; ++i) {
       nearest = min_lanes(nearest, (block.corners[axis][i] - ray.near_origin[axis]) * ray.inverse[axis]);
     }

@@ -60,6 +60,7 @@ MLT_INLINE RayFrame::RayFrame(const Ray& ray, float extent) {
   reach = std::fabs(origin[2]) > reach ? std::fabs(origin[2]) : reach;
   const float padding = (reach + extent) * kBoxPadding;
   const float smallest = size[axis_z] * kSmallestSlope;
+#pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     natural_origin[axis] = broadcast(origin[axis]);
     direction[axis] = broadcast(along[axis]);

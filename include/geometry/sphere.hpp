@@ -24,6 +24,7 @@ struct alignas(sizeof(LaneFloat)) SphereBlock {
 /// Where the ray enters the padded bounding box of each sphere.
 MLT_INLINE LaneFloat box_entry(const SphereBlock& block, const RayFrame& ray) {
   LaneFloat entry{};
+#pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     const LaneFloat low = (block.center[axis] - block.radius) - ray.near_origin[axis];
     const LaneFloat high = (block.center[axis] + block.radius) - ray.near_origin[axis];

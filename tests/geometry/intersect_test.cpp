@@ -45,16 +45,34 @@ void compare_with_brute_force(const Shapes& shapes, const std::vector<Triangle>&
   CHECK(found > rays / 32);
 }
 
-TEST_CASE("triangle soups with needles and duplicates equal brute force, flat and as a tree") {
-  Shapes shapes;
-  shapes.triangles = triangle_soup(150, 7);
-  compare_with_brute_force(shapes, shapes.triangles, 150000, 1);
+void compare_soups(int rays) {
+  Shapes triangles;
+  triangles.triangles = triangle_soup(100, 7);
+  compare_with_brute_force(triangles, triangles.triangles, rays, 1);
+  Shapes quads;
+  quads.quads = quad_soup(80, 8);
+  compare_with_brute_force(quads, halves_of(quads.quads), rays, 2);
 }
 
-TEST_CASE("quad soups equal brute force, flat and as a tree") {
+TEST_CASE("soups with needles and duplicates equal brute force, flat and as a tree") {
+  compare_soups(60000);
+}
+TEST_CASE("1e6 rays through soups equal brute force, flat and as a tree", "[.slow]") {
+  compare_soups(1000000);
+}
+
+TEST_CASE("a flat list and a tree agree on many triangles") {
   Shapes shapes;
-  shapes.quads = quad_soup(100, 8);
-  compare_with_brute_force(shapes, halves_of(shapes.quads), 150000, 2);
+  shapes.triangles = triangle_soup(1000, 11);
+  const BuiltGeometry flat(shapes, kAlwaysFlat);
+  const BuiltGeometry tree(shapes, kAlwaysTree);
+  Rng rng(9, StreamPurpose::kTest, 8);
+  int different = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const Ray ray = hard_ray(rng, shapes.triangles);
+    different += !same(flat->intersect<true>(ray), tree->intersect<true>(ray));
+  }
+  CHECK(different == 0);
 }
 
 TEST_CASE(
@@ -64,7 +82,7 @@ TEST_CASE(
   for (std::size_t i = 0; i < 20; ++i) shapes.triangles.push_back(shapes.triangles[i * 3]);
   shapes.quads = quad_soup(10, 9);
   for (std::size_t i = 0; i < 10; ++i) shapes.quads.push_back(shapes.quads[9 - i]);
-  compare_with_brute_force(shapes, shapes.triangles, 150000, 3);
+  compare_with_brute_force(shapes, shapes.triangles, 60000, 3);
 
   // A duplicate is never the one that is reported.
   Shapes twice;
@@ -92,7 +110,7 @@ TEST_CASE("pitfall 16: meshes far from the origin, tiny and huge equal brute for
       for (Triangle& t : shapes.triangles) {
         t = Triangle{t.a * scale + shift, t.b * scale + shift, t.c * scale + shift};
       }
-      compare_with_brute_force(shapes, shapes.triangles, 30000, seed++, shift);
+      compare_with_brute_force(shapes, shapes.triangles, 10000, seed++, shift);
     }
   }
 }
@@ -138,10 +156,10 @@ void compare_with_double(const Shapes& shapes, const std::vector<Triangle>& tria
 TEST_CASE("triangles and quads agree with Moeller and Trumbore's method in double") {
   Shapes shapes;
   shapes.triangles = triangle_soup(100, 40);
-  compare_with_double(shapes, shapes.triangles, 100000, 6);
+  compare_with_double(shapes, shapes.triangles, 60000, 6);
   Shapes quads;
   quads.quads = quad_soup(60, 41);
-  compare_with_double(quads, halves_of(quads.quads), 100000, 7);
+  compare_with_double(quads, halves_of(quads.quads), 60000, 7);
 }
 
 TEST_CASE("pitfall 21: degenerate primitives and rays never hit and never give NaN") {

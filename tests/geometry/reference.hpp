@@ -13,69 +13,84 @@ namespace mlt::test {
 
 inline constexpr float kMiss = -1.0f;
 
+/// What all primitives share of a ray.
+struct ScalarRay {
+  ScalarRay(const Ray& r, float extent) : ray(r) {
+    float reach = 0, largest = 0;
+    for (int k = 0; k < 3; ++k) reach = std::max(reach, std::fabs(ray.origin[k]));
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(ray.direction[k]));
+    for (int k = 1; k < 3; ++k) kz = std::fabs(ray.direction[k]) > std::fabs(ray.direction[kz]) ? k : kz;
+    kx = (kz + 1) % 3;
+    ky = (kz + 2) % 3;
+    sx = ray.direction[kx] / ray.direction[kz];
+    sy = ray.direction[ky] / ray.direction[kz];
+    sz = 1.0f / ray.direction[kz];
+    const float padding = (reach + extent) * 0x1p-19f;
+    for (int k = 0; k < 3; ++k) {
+      down[k] = std::signbit(ray.direction[k]);
+      const float slope = std::max(std::fabs(ray.direction[k]), largest * 0x1p-30f);
+      inverse[k] = 1.0f / (down[k] ? -slope : slope);
+      padded[k] = down[k] ? ray.origin[k] - padding : ray.origin[k] + padding;
+    }
+  }
+  Ray ray;
+  int kx = 0, ky = 0, kz = 0;
+  float sx, sy, sz;
+  bool down[3];
+  float inverse[3], padded[3];
+};
+
 /// Where the ray enters the box of `corners`, padded as ray_frame.hpp says.
-inline float scalar_box_entry(const Ray& ray, const Vec3* corners, int count, float extent) {
-  float reach = 0, largest = 0, entry = 0;
-  for (int k = 0; k < 3; ++k) reach = std::max(reach, std::fabs(ray.origin[k]));
-  for (int k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(ray.direction[k]));
-  const float padding = (reach + extent) * 0x1p-19f;
+inline float scalar_box_entry(const ScalarRay& r, const Vec3* corners, int count) {
+  float entry = 0;
   for (int k = 0; k < 3; ++k) {
-    const bool down = std::signbit(ray.direction[k]);
-    const float slope = std::max(std::fabs(ray.direction[k]), largest * 0x1p-30f);
-    const float inverse = 1.0f / (down ? -slope : slope);
-    const float origin = down ? ray.origin[k] - padding : ray.origin[k] + padding;
     float plane = corners[0][k];
-    for (int i = 1; i < count; ++i)
-      plane = down ? std::max(plane, corners[i][k]) : std::min(plane, corners[i][k]);
-    entry = std::max(entry, (plane - origin) * inverse);
+    for (int i = 1; i < count; ++i) {
+      plane = r.down[k] ? std::max(plane, corners[i][k]) : std::min(plane, corners[i][k]);
+    }
+    entry = std::max(entry, (plane - r.padded[k]) * r.inverse[k]);
   }
   return entry;
 }
 
 /// Distance of the definition's hit, or kMiss.
-inline float scalar_polygon_t(const Ray& ray, const Vec3* corners, int count, float extent) {
-  int kz = 0;
-  for (int k = 1; k < 3; ++k) kz = std::fabs(ray.direction[k]) > std::fabs(ray.direction[kz]) ? k : kz;
-  const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
-  const float sx = ray.direction[kx] / ray.direction[kz];
-  const float sy = ray.direction[ky] / ray.direction[kz];
-  const float sz = 1.0f / ray.direction[kz];
-  float x[4] = {}, y[4] = {}, z[4] = {}, widest_x = 0, widest_y = 0;
+inline float scalar_polygon_t(const ScalarRay& r, const Vec3* corners, int count) {
+  float x[4] = {}, y[4] = {}, z[4] = {};
   for (int i = 0; i < count; ++i) {
-    z[i] = corners[i][kz] - ray.origin[kz];
-    x[i] = (corners[i][kx] - ray.origin[kx]) - sx * z[i];
-    y[i] = (corners[i][ky] - ray.origin[ky]) - sy * z[i];
-    widest_x = std::max(widest_x, std::fabs(x[i]));
-    widest_y = std::max(widest_y, std::fabs(y[i]));
+    z[i] = corners[i][r.kz] - r.ray.origin[r.kz];
+    x[i] = (corners[i][r.kx] - r.ray.origin[r.kx]) - r.sx * z[i];
+    y[i] = (corners[i][r.ky] - r.ray.origin[r.ky]) - r.sy * z[i];
   }
   for (int m = 1; m < count; m += 2) {
-    const int order[3] = {0, m, 2};
+    const int order[5] = {0, m, 2, 0, m};
     double exact[3];
     float weight[3];
-    bool positive = true, negative = true, sure = true;
     for (int i = 0; i < 3; ++i) {
-      const int p = order[(i + 1) % 3], q = order[(i + 2) % 3];
+      const int p = order[i + 1], q = order[i + 2];
       exact[i] = double{x[p]} * y[q] - double{y[p]} * x[q];
       weight[i] = x[p] * y[q] - y[p] * x[q];
-      positive = positive && exact[i] >= 0;
-      negative = negative && exact[i] <= 0;
-      sure = sure && weight[i] != 0.0f;
     }
+    const bool positive = exact[0] >= 0 && exact[1] >= 0 && exact[2] >= 0;
+    const bool negative = exact[0] <= 0 && exact[1] <= 0 && exact[2] <= 0;
     // Sums in the order of corners a, middle, c.
     const double exact_sum = (exact[0] + exact[1]) + exact[2];
     if (!(positive || negative) || exact_sum == 0) continue;
-    const float t[3] = {z[0] * sz, z[m] * sz, z[2] * sz};
+    float widest_x = 0, widest_y = 0;
+    for (int i = 0; i < count; ++i) widest_x = std::max(widest_x, std::fabs(x[i]));
+    for (int i = 0; i < count; ++i) widest_y = std::max(widest_y, std::fabs(y[i]));
+    const float t[3] = {z[0] * r.sz, z[m] * r.sz, z[2] * r.sz};
     const float depth = (weight[0] * t[0] + weight[1] * t[1]) + weight[2] * t[2];
     const float reach = std::max({std::fabs(t[0]), std::fabs(t[1]), std::fabs(t[2])});
     const float error = (widest_x * widest_y) * (reach * (40 * 0x1p-24f));
     const bool ahead = std::min({t[0], t[1], t[2]}) > 0;
+    const bool sure = weight[0] != 0 && weight[1] != 0 && weight[2] != 0;
     float result = depth / ((weight[0] + weight[1]) + weight[2]);
     if (!sure || (!ahead && std::fabs(depth) <= error)) {
       const double exact_depth = (exact[0] * z[0] + exact[1] * z[m]) + exact[2] * z[2];
-      result = static_cast<float>(exact_depth / exact_sum * double{sz});
+      result = static_cast<float>(exact_depth / exact_sum * double{r.sz});
     }
     if (!(result > 0)) return kMiss;
-    return std::max(result, scalar_box_entry(ray, corners, count, extent));
+    return std::max(result, scalar_box_entry(r, corners, count));
   }
   return kMiss;
 }
@@ -86,6 +101,7 @@ inline bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 /// The first hit by the definition. Shapes are polygons only.
 inline Hit brute_force(const Shapes& shapes, const Ray& ray, float extent) {
+  const ScalarRay scalar_ray(ray, extent);
   Hit best;
   float limit = ray.t_max;
   std::uint32_t primitive = 0;
@@ -99,11 +115,11 @@ inline Hit brute_force(const Shapes& shapes, const Ray& ray, float extent) {
   };
   for (const Quad& q : shapes.quads) {
     const Vec3 corners[4] = {q.a, q.b, q.c, q.d};
-    consider(has_area(q.a, q.b, q.c) ? scalar_polygon_t(ray, corners, 4, extent) : kMiss);
+    consider(has_area(q.a, q.b, q.c) ? scalar_polygon_t(scalar_ray, corners, 4) : kMiss);
   }
   for (const Triangle& t : shapes.triangles) {
     const Vec3 corners[3] = {t.a, t.b, t.c};
-    consider(has_area(t.a, t.b, t.c) ? scalar_polygon_t(ray, corners, 3, extent) : kMiss);
+    consider(has_area(t.a, t.b, t.c) ? scalar_polygon_t(scalar_ray, corners, 3) : kMiss);
   }
   return best;
 }
@@ -130,7 +146,8 @@ inline void moeller_trumbore(const Ray& ray, const Triangle& triangle, DoubleHit
   const double w = determinant - u - v;
   // Edge functions of clearly different signs exclude the triangle, whatever its orientation.
   if (std::min({u, v, w}) < -slack && std::max({u, v, w}) > slack) return;
-  if (std::fabs(determinant) <= 64 * slack || (std::min({u, v, w}) <= slack && std::max({u, v, w}) >= -slack)) {
+  if (std::fabs(determinant) <= 64 * slack ||
+      (std::min({u, v, w}) <= slack && std::max({u, v, w}) >= -slack)) {
     hit.doubtful = true;
     return;
   }

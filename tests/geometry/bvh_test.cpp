@@ -1,0 +1,152 @@
+// The builder: every primitive in exactly one leaf, boxes that enclose, and the bounds on memory and depth
+// that planning and traversal rely on, for friendly and hostile inputs.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "scene_fixture.hpp"
+
+namespace mlt::test {
+namespace {
+
+struct Inspection {
+  std::vector<int> leaves_of;  ///< per primitive
+  std::uint32_t leaves = 0;
+  std::uint32_t partial_leaves = 0;
+  int outside = 0;  ///< references that stick out of a box above them
+};
+
+/// Descends from the root, each node with the box that its parent gives it.
+Inspection inspect(const std::vector<BvhNode>& nodes, const std::vector<std::vector<BvhReference>>& leaves,
+                   std::size_t primitives) {
+  struct Pending {
+    std::uint32_t child;
+    Vec3 low, high;
+  };
+  Inspection result;
+  result.leaves_of.resize(primitives);
+  const float inf = std::numeric_limits<float>::infinity();
+  std::vector<Pending> pending{{0, Vec3{-inf, -inf, -inf}, Vec3{inf, inf, inf}}};
+  while (!pending.empty()) {
+    const Pending p = pending.back();
+    pending.pop_back();
+    if ((p.child & kLeafBit) != 0) {
+      const std::vector<BvhReference>& leaf = leaves.at(p.child & ~kLeafBit);
+      result.leaves += 1;
+      result.partial_leaves += leaf.size() < kLeafSize;
+      for (const BvhReference& r : leaf) {
+        result.leaves_of.at(r.index) += 1;
+        for (int k = 0; k < 3; ++k) result.outside += r.low[k] < p.low[k] || r.high[k] > p.high[k];
+      }
+      continue;
+    }
+    const BvhNode& node = nodes.at(p.child);
+    for (int lane = 0; lane < kNodeWidth; ++lane) {
+      Pending next{node.children[lane], Vec3{0, 0, 0}, Vec3{0, 0, 0}};
+      for (int k = 0; k < 3; ++k) {
+        next.low[k] = node.planes[k][0][lane];
+        next.high[k] = node.planes[k][1][lane];
+      }
+      if (!(next.low.x <= next.high.x)) continue;
+      for (int k = 0; k < 3; ++k) result.outside += next.low[k] < p.low[k] || next.high[k] > p.high[k];
+      pending.push_back(next);
+    }
+  }
+  return result;
+}
+
+void check_build(std::vector<BvhReference> references) {
+  const std::size_t count = references.size();
+  for (std::size_t i = 0; i < count; ++i) references[i].index = static_cast<std::uint32_t>(i);
+  std::vector<BvhNode> nodes(max_bvh_nodes(count));
+  std::vector<std::vector<BvhReference>> leaves;
+  const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
+    auto& all = *static_cast<std::vector<std::vector<BvhReference>>*>(context);
+    REQUIRE(block == all.size());
+    REQUIRE((leaf.size() >= 1 && leaf.size() <= kLeafSize));
+    all.emplace_back(leaf.begin(), leaf.end());
+  };
+  const BvhSize size = build_bvh(references, nodes, LeafWriter{write, &leaves});
+  CHECK(size.levels <= kMaxLevels);
+  CHECK(size.blocks == leaves.size());
+  CHECK(size.blocks <= max_bvh_leaves(count));
+  CHECK(size.nodes <= max_bvh_nodes(count));
+  const Inspection tree = inspect(nodes, leaves, count);
+  CHECK(tree.leaves == size.blocks);
+  CHECK(tree.outside == 0);
+  CHECK(tree.partial_leaves <= count / kSmallestSide + 1);
+  CHECK(std::count(tree.leaves_of.begin(), tree.leaves_of.end(), 1) == static_cast<std::ptrdiff_t>(count));
+}
+
+BvhReference reference_at(const Vec3& p, float size) {
+  return {{p.x - size, p.y - size, p.z - size}, 0, {p.x + size, p.y + size, p.z + size}, 0};
+}
+
+TEST_CASE("every number of primitives builds a tree within its bounds") {
+  Rng rng(1, StreamPurpose::kTest, 20);
+  for (std::size_t count = 0; count < 300; ++count) {
+    std::vector<BvhReference> references;
+    for (std::size_t i = 0; i < count; ++i) references.push_back(reference_at(point_in_cube(rng), 0.01f));
+    check_build(references);
+  }
+  for (const std::size_t count : {1000, 5000, 20000}) {
+    std::vector<BvhReference> references;
+    for (std::size_t i = 0; i < count; ++i) {
+      references.push_back(
+          reference_at(point_in_cube(rng), std::ldexp(1.0f, -static_cast<int>(below(rng, 20)))));
+    }
+    check_build(references);
+  }
+}
+
+TEST_CASE("hostile inputs stay within the bounds on memory and depth") {
+  constexpr std::size_t kCount = 20000;
+  std::vector<BvhReference> same, line, shrinking, denormal, nested, pairs;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const float f = static_cast<float>(i);
+    same.push_back(reference_at(Vec3{0.5f, 0.5f, 0.5f}, 0.1f));
+    line.push_back(reference_at(Vec3{f / kCount, 0, 0}, 0.0f));
+    // Ever smaller distances to the origin: equal bins split off a few at a time, as deep as possible.
+    shrinking.push_back(reference_at(Vec3{std::ldexp(1.0f, -static_cast<int>(i % 140)), 0, 0}, 0.0f));
+    denormal.push_back(reference_at(Vec3{std::ldexp(f, -149), 0, 0}, 0.0f));
+    nested.push_back(reference_at(Vec3{0, 0, 0}, std::ldexp(1.0f, -static_cast<int>(i % 120))));
+    pairs.push_back(reference_at(Vec3{i % 2 == 0 ? -1.0f : 1.0f, 0, 0}, 0.0f));
+  }
+  check_build(same);
+  check_build(line);
+  check_build(shrinking);
+  check_build(denormal);
+  check_build(nested);
+  check_build(pairs);
+}
+
+TEST_CASE("a sequence that loses few primitives per level ends in halving before the stack is exhausted") {
+  // Groups of just kSmallestSide at distances that shrink by 32 per group, more than the bins resolve, so
+  // that each split takes one group off.
+  std::vector<BvhReference> references;
+  for (int group = 0; group < 28; ++group) {
+    for (std::uint32_t i = 0; i < kSmallestSide; ++i) {
+      references.push_back(reference_at(Vec3{std::ldexp(1.0f, 5 * (group - 20)), 0, 0}, 0.0f));
+    }
+  }
+  const std::size_t cluster = 200000;
+  for (std::size_t i = 0; i < cluster; ++i) references.push_back(reference_at(Vec3{0, 0, 0}, 0.0f));
+  check_build(references);
+}
+
+TEST_CASE("memory of a mesh: at most 80 bytes a triangle, and 32 of scratch") {
+  const std::uint32_t count = 100000;
+  MemoryPlan plan;
+  static_cast<void>(Geometry::plan(plan, GeometryCounts{0, count, 0}));
+  CHECK(plan.bytes(Lifetime::kScene) <= std::size_t{80} * count);
+  CHECK(plan.bytes(Lifetime::kScratch) <= std::size_t{32} * count + kCacheLine);
+  CHECK(Geometry::is_general(GeometryCounts{0, 1, 0}));
+  CHECK(Geometry::is_general(GeometryCounts{FlatLimits{}.quads + 1, 0, 0}));
+  CHECK_FALSE(Geometry::is_general(GeometryCounts{FlatLimits{}.quads, 0, 0}));
+  MemoryPlan none;
+  static_cast<void>(Geometry::plan(none, GeometryCounts{}));
+  CHECK(none.lines().empty());
+}
+
+}  // namespace
+}  // namespace mlt::test
