@@ -36,7 +36,8 @@ inline auto length(const V& v) {
   return std::sqrt(dot(v, v));
 }
 
-/// Unit vector; the argument's length must be neither 0 nor beyond the square root of the largest float.
+/// Unit vector of `v`, whose length must lie in [1e-17, 1e19]: within it no square of the length over- or
+/// underflows (float; for double [1e-150, 1e150]). A zero vector gives NaN.
 template <class V>
 inline V normalize(const V& v) {
   return v * (decltype(v.x)(1) / length(v));

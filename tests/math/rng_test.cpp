@@ -65,6 +65,12 @@ TEST_CASE("the generator is xoshiro128++") {
   }
 }
 
+TEST_CASE("next_key joins two draws, the first as the low half") {
+  Rng rng = std::bit_cast<Rng>(std::array<std::uint32_t, 4>{1, 2, 3, 4});
+  CHECK(rng.next_key() == ((1573767ULL << 32) | 641ULL));
+  CHECK(rng.next_fixed() == 3222811527U);
+}
+
 TEST_CASE("pitfall 1: unit_float stays below 1 and is exact") {
   CHECK(unit_float(0) == 0.0f);
   CHECK(unit_float(255) == 0.0f);

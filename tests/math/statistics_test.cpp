@@ -95,7 +95,7 @@ TEST_CASE("t-tests follow a worked example") {
 }
 
 TEST_CASE("Kolmogorov-Smirnov p-values match the tables of the exact distribution") {
-  // 5 % points of D for n values [Miller56]. One value at the end of n equal steps gives any D: shift all.
+  // 5 % points of D for n values [Miller56]. Values at i/n + d put the largest gap, d, at every step.
   struct Row {
     int n;
     double d;
@@ -120,7 +120,7 @@ TEST_CASE("Sidak's threshold gives the family its significance") {
 }
 
 TEST_CASE("chi_square_test pools small cells and refuses the impossible") {
-  // Pearson's example of a die: (16-20)^2/20 summed over the faces.
+  // 88 throws of a die: the sum of o^2 / e, less the number of throws.
   const std::vector<std::uint64_t> die{16, 18, 16, 14, 12, 12};
   const std::vector<double> fair(6, 88.0 / 6);
   const ChiSquareResult plain = chi_square_test(die, fair);
