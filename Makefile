@@ -48,7 +48,7 @@ upto      = $(if $(1),$(eval _found :=)$(foreach s,$(STAGES),$(if $(_found),,$(s
 MAIN      := src/app/main.cpp
 stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s)))))
 
-.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz repro proof memcheck asan \
+.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers repro proof memcheck asan \
         tsan tidy format-check clean
 all: build/mlt
 
@@ -118,7 +118,7 @@ slow: $(TEST_BINARIES)
 asan tsan:
 	$(MAKE) VARIANT=$@ test
 
-memcheck: $(OUT)/film_hash
+memcheck: $(OUT)/film_hash scenes
 	tools/memcheck.sh $(OUT)
 
 # ---- the same bits everywhere, and fixed memory ----
@@ -177,6 +177,14 @@ $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
 bench: $(BENCHES) scenes
 	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
 
+# The harnesses see the readers of input files alone.
+FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))
+READERS := $(call stage_objects,scene) \
+           $(call objects,$(filter %/pfm_reader.cpp %/format.cpp,$(call sources,image)))
+$(OUT)/fuzz_%: $(OUT)/tests/fuzz/%_fuzz.o $(READERS)
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) -fsanitize=fuzzer $^ $(LIBS) -o $@
+fuzzers: $(FUZZERS)
 FUZZ_SECONDS ?= 600
 fuzz: deps-extra
 	tools/fuzz.sh $(FUZZ_SECONDS)

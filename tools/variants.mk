@@ -1,6 +1,7 @@
 # The named variants: VARIANT selects compiler, optimisation and further flags, unless the command line says
 # otherwise. tools/repro.sh renders the same jobs by all of them and expects the same bits.
 
+comma := ,
 UBSAN := undefined,float-cast-overflow,float-divide-by-zero
 
 # $(call variant,compiler,optimisation,further flags)
@@ -27,6 +28,10 @@ variant_clang-asan = $(call variant,clang++,-O1,-fsanitize=address -fsanitize=$(
 # libstdc++ and libfmt are not instrumented; the headers of fmt are compiled in, and film_hash hands nothing
 # else from them to a branch.
 variant_msan       = $(call variant,clang++,-O1,-fsanitize=memory -DFMT_HEADER_ONLY)
+
+# The inputs' readers with libFuzzer's coverage.
+variant_fuzz       = $(call variant,clang++,-O1,-fsanitize=fuzzer-no-link$(comma)address -fsanitize=$(UBSAN) \
+                       -fno-sanitize-recover=all)
 
 # Other machines: the headers of glm and fmt come from build/sysinclude, so that nothing else of this
 # machine's /usr/include is seen, and the binary is static, so that qemu-user runs it without their libraries.

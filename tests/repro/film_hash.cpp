@@ -38,31 +38,28 @@ struct Options {
   bool statistics = false;
 };
 
-#define MLT_CASE(name, help)                           \
-  if (value == #name) return static_cast<Kind>(index); \
-  ++index;
-
-IntegratorKind integrator_of(std::string_view value) {
-  using Kind = IntegratorKind;
-  int index = 0;
-  MLT_INTEGRATOR_KINDS(MLT_CASE)
-  throw fault("integrator", "unknown '" + std::string(value) + "' (" + std::to_string(index) + " are known)");
+template <std::size_t N>
+std::size_t choice(std::string_view option, std::string_view text, const std::string_view (&names)[N]) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (names[i] == text) return i;
+  }
+  throw fault(option, "unknown '" + std::string(text) + "'");
 }
 
-StartKind start_of(std::string_view value) {
-  using Kind = StartKind;
-  int index = 0;
-  MLT_START_KINDS(MLT_CASE)
-  throw fault("start", "unknown '" + std::string(value) + "' (" + std::to_string(index) + " are known)");
-}
-#undef MLT_CASE
+#define MLT_NAME(name, help) #name,
+constexpr std::string_view kIntegrators[] = {MLT_INTEGRATOR_KINDS(MLT_NAME)};
+constexpr std::string_view kStarts[] = {MLT_START_KINDS(MLT_NAME)};
+constexpr std::string_view kMutations[] = {MLT_MUTATION_KINDS(MLT_NAME)};
+#undef MLT_NAME
 
 void set_option(Options& options, std::string_view name, std::string_view value) {
   RenderRequest& request = options.request;
   if (name == "integrator") {
-    request.integrator = integrator_of(value);
+    request.integrator = static_cast<IntegratorKind>(choice(name, value, kIntegrators));
   } else if (name == "start") {
-    request.start = start_of(value);
+    request.start = static_cast<StartKind>(choice(name, value, kStarts));
+  } else if (name == "mutation") {
+    request.mutation = static_cast<MutationKind>(choice(name, value, kMutations));
   } else if (name == "width") {
     request.width = number<std::uint32_t>(name, value);
   } else if (name == "height") {

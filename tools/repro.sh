@@ -1,0 +1,112 @@
+#!/usr/bin/env bash
+# Renders the jobs of tests/repro/expected_hashes.txt by other thread counts, compilers, optimisations,
+# sanitizers and machines, and compares the hashes of the films: repro.sh quick|full|accept
+#   quick   thread counts, g++ and clang++, three levels, ASan with UBSan, TSan, Valgrind
+#   full    also link-time optimisation, AVX2 with FMA, AVX-512, MSan, emulated processors and aarch64
+#   accept  writes the hashes of build/release into the file (CHANGELOG.md must then say why)
+# Each line is: scene integrator options hash.
+set -u
+export LC_ALL=C
+cd "$(dirname "$0")/.."
+. tools/report.sh
+mode=${1:-quick}
+expected=tests/repro/expected_hashes.txt
+build_jobs=${JOBS:-$(nproc)}
+log=build/repro
+mkdir -p "$log"
+
+build() {  # build VARIANT: its film_hash, or a failing cell
+  make -j"$build_jobs" VARIANT="$1" "build/$1/film_hash" >"$log/$1.txt" 2>&1 && return 0
+  fail "$1 builds" "$(grep -E 'error|\*\*\*' "$log/$1.txt" | head -n 10)"
+  return 1
+}
+
+# render_jobs FILTER COMMAND...: the lines of the list whose scene and integrator match, with the hash that
+# the command gives, as many at a time as there are cores.
+render_jobs() {
+  local filter=$1
+  shift
+  # shellcheck disable=SC2016
+  grep -vE '^(#|$)' "$expected" | grep -E "$filter" | awk '{ NF--; print }' |
+    xargs -d '\n' -P "$build_jobs" -I LINE bash -c '
+      read -ra word <<<"$1"
+      hash=$("${@:2}" "${word[0]}" "integrator=${word[1]}" "${word[@]:2}" 2>&1 | tail -n 1)
+      printf "%s %s\n" "$1" "$hash"' job LINE "$@" | sort
+}
+
+# cell NAME FILTER COMMAND...: one entry of the matrix; lists each job whose film differs.
+cell() {
+  local name=$1 filter=$2 start=$SECONDS found wrong
+  shift 2
+  found=$(render_jobs "$filter" "$@")
+  wrong=$(diff <(grep -vE '^(#|$)' "$expected" | grep -E "$filter" | sort) <(printf '%s\n' "$found") |
+    sed -n 's/^</expected/p; s/^>/found   /p')
+  if [ -n "$found" ]; then
+    expect_empty "$name ($(wc -l <<<"$found") jobs, $((SECONDS - start)) s)" "$wrong"
+  else
+    fail "$name" "no job matches $filter"
+  fi
+}
+all=.
+# For machines that are slow to emulate, the jobs with the smallest scenes.
+small='^scenes/(CornellBox|spheres|conductor).*seed=0 '
+
+variant() {  # variant NAME [COMMAND...]: every job, by 3 threads
+  local name=$1
+  shift
+  build "$name" && cell "$name" "$all" "$@" "build/$name/film_hash" threads=3
+}
+
+make -j"$build_jobs" scenes >"$log/scenes.txt" 2>&1 || fail "scenes" "$(tail -n 5 "$log/scenes.txt")"
+build release || { closing; exit 1; }
+
+if [ "$mode" = accept ]; then
+  render_jobs "$all" build/release/film_hash threads=2 >"$log/accepted"
+  # The list keeps its order and comments.
+  awk 'NR == FNR { hash = $NF; NF--; fresh[$0] = hash; next }
+    /^(#|$)/ { print; next }
+    { NF--; print $0, fresh[$0] }' "$log/accepted" "$expected" >"$log/list" && mv "$log/list" "$expected"
+  echo "CHANGELOG.md needs a line with 'golden: $(sha256sum "$expected" | cut -c1-16)' and the reason."
+  exit 0
+fi
+
+# ---- quick ----
+
+same=$(grep -vE '^(#|$)' "$expected" | awk '{ print $NF }' | sort | uniq -d)
+expect_empty "different jobs and seeds have different hashes" "$(grep -F "${same:-nothing is the same}" "$expected")"
+for threads in 1 2 3 7 16 64; do
+  cell "threads $threads" "$all" build/release/film_hash "threads=$threads"
+done
+for name in gcc-O0 gcc-O3 clang clang-O0 clang-O3 asan tsan; do variant "$name"; done
+cell "valgrind" "$small" valgrind --quiet --undef-value-errors=no build/release/film_hash threads=2
+
+# ---- full ----
+
+has_cpu() { grep -qw "$1" /proc/cpuinfo; }
+skip() { echo "skip  $1: $2"; }
+
+if [ "$mode" = full ]; then
+  variant gcc-lto
+  variant clang-asan
+  for compiler in gcc clang; do
+    if has_cpu avx2 && has_cpu fma; then
+      variant "$compiler-avx2"
+    else
+      skip "$compiler-avx2" "this processor lacks AVX2 or FMA"
+    fi
+    if has_cpu avx512vl && has_cpu avx512bw && has_cpu avx512dq && has_cpu avx512cd; then
+      variant "$compiler-v4"
+    else
+      skip "$compiler-v4" "this processor lacks AVX-512"
+    fi
+  done
+  variant msan
+  for name in aarch64 clang-aarch64; do
+    build "$name" && cell "$name under qemu" "$all" qemu-aarch64 "build/$name/film_hash" threads=2
+  done
+  # From a processor without SSE3 to one with AVX2: the libraries choose other code on each.
+  for model in qemu64 core2duo Nehalem Haswell; do
+    cell "emulated $model" "$small" qemu-x86_64 -cpu "$model" build/release/film_hash threads=2
+  done
+fi
+closing
