@@ -145,8 +145,9 @@ inline float one_light_pdf_solid_angle(const Light& light, const Vec3& reference
       if (sphere_cone(light, reference, cone)) {
         return cone_pdf_solid_angle(cone.one_minus_cos_max);
       }
-      return area_pdf_solid_angle(light.area, distance_squared,
-                                  dot((position - light.origin) * (1.0f / light.radius), wi));
+      // The cosine is this product over the radius, which may be 0 for a light that is never chosen.
+      const float cosine_radius = std::fabs(dot(position - light.origin, wi));
+      return density_or_zero(distance_squared * light.radius, cosine_radius * light.area);
     }
   }
   return 0;
