@@ -11,6 +11,10 @@
 VARIANT  ?= release
 Q        := $(if $(V),,@)
 SAY      := $(if $(V),@:,@echo)
+# As many jobs as there are cores, unless -j says otherwise.
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell nproc)
+endif
 ifeq ($(origin CXX),default)
 CXX      := g++
 endif
@@ -48,7 +52,7 @@ upto      = $(if $(1),$(eval _found :=)$(foreach s,$(STAGES),$(if $(_found),,$(s
 MAIN      := src/app/main.cpp
 stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s)))))
 
-.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers repro proof memcheck asan \
+.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden repro proof memcheck asan \
         tsan tidy format-check clean
 all: build/mlt
 
@@ -120,6 +124,13 @@ asan tsan:
 
 memcheck: $(OUT)/film_hash scenes
 	tools/memcheck.sh $(OUT)
+
+# Whole renders against the stored pictures of ref_images.
+$(OUT)/test_golden: $(call objects,$(wildcard tests/golden/*.cpp) $(SUPPORT)) $(call stage_objects,compare)
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
+golden: $(OUT)/test_golden scenes
+	tools/run_tests.sh $(OUT) golden
 
 # ---- the same bits everywhere, and fixed memory ----
 

@@ -15,8 +15,8 @@ if [ "${1:-}" = --slow ]; then
   filter=('[.slow]')
   scripts=()
 fi
-# Lint and proofs read sources and the release objects; once is enough.
-[ "$out" = build/release ] || scripts=()
+# Lint and proofs read sources and the release objects; once, beside all stages, is enough.
+[ "$out" = build/release ] && [ $# -gt 1 ] || scripts=()
 log=$out/log
 rm -rf "$log"
 mkdir -p "$log"
