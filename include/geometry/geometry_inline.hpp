@@ -6,6 +6,28 @@
 
 namespace mlt {
 
+inline constexpr std::uint32_t kSecondTriangle =
+    0x80000000U;  ///< in Hit::slot: on triangle a, c, d of a quad
+
+template <class Block>
+struct HitsOfBlock {
+  using Type = PolygonHits;
+};
+template <>
+struct HitsOfBlock<SphereBlock> {
+  using Type = SphereHits;
+};
+template <class Block>
+using HitsOf = typename HitsOfBlock<Block>::Type;
+
+MLT_INLINE Hit make_hit(const PolygonHits& hits, int lane, std::uint32_t primitive, std::uint32_t slot) {
+  const std::uint32_t half = static_cast<std::uint32_t>(hits.second[lane]) & kSecondTriangle;
+  return {hits.t[lane], primitive, slot | half, {hits.weight_middle[lane], hits.weight_c[lane]}};
+}
+MLT_INLINE Hit make_hit(const SphereHits& hits, int lane, std::uint32_t primitive, std::uint32_t slot) {
+  return {hits.t[lane], primitive, slot, {0, 0}};
+}
+
 /// The best hit so far. `limit` admits t = limit only for primitives below `tie_below`, which is 0 until
 /// there is a hit, as t_max itself is excluded.
 struct BestHit {
@@ -17,15 +39,15 @@ struct BestHit {
 
   template <class Block>
   MLT_INLINE void visit(const Block& block, std::uint32_t index, const RayFrame& ray) {
-    LaneFloat t;
-    unsigned bits = intersect_block(block, ray, broadcast(limit), t);
+    HitsOf<Block> hits;
+    unsigned bits = intersect_block(block, ray, broadcast(limit), hits);
     while (bits != 0) {
       const int lane = take_lowest(bits);
       const std::uint32_t primitive = block.primitive[lane];
-      if (t[lane] < limit || (t[lane] == limit && primitive < tie_below)) {
-        limit = t[lane];
+      if (hits.t[lane] < limit || (hits.t[lane] == limit && primitive < tie_below)) {
+        limit = hits.t[lane];
         tie_below = primitive;
-        hit = {limit, primitive, index * kLanes + static_cast<std::uint32_t>(lane)};
+        hit = make_hit(hits, lane, primitive, index * kLanes + static_cast<std::uint32_t>(lane));
       }
     }
   }
@@ -51,9 +73,9 @@ struct BestHit {
 /// Whether any lane lies at t < limit; blocks admit t <= limit.
 template <class Block>
 MLT_INLINE bool blocks_ray(const Block& block, const RayFrame& ray, LaneFloat limit) {
-  LaneFloat t;
-  const unsigned bits = intersect_block(block, ray, limit, t);
-  return bits != 0 && (bits & lane_bits(t < limit)) != 0;
+  HitsOf<Block> hits;
+  const unsigned bits = intersect_block(block, ray, limit, hits);
+  return bits != 0 && (bits & lane_bits(hits.t < limit)) != 0;
 }
 
 template <class Block>
@@ -99,13 +121,13 @@ inline bool Geometry::occluded(const Ray& ray) const {
 
 template <bool kGeneral>
 inline SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
-  const std::uint32_t block = hit.slot / kLanes;
+  const std::uint32_t block = (hit.slot & ~kSecondTriangle) / kLanes;
   const int lane = static_cast<int>(hit.slot % kLanes);
   if constexpr (kGeneral) {
     if (hit.primitive >= first_sphere_) return sphere_point(spheres_.blocks[block], lane, ray, hit.t);
-    if (hit.primitive >= first_triangle_) return polygon_point(triangles_.blocks[block], lane, ray);
+    if (hit.primitive >= first_triangle_) return polygon_point(triangles_.blocks[block], lane, 1, hit);
   }
-  return polygon_point(quads_.blocks[block], lane, ray);
+  return polygon_point(quads_.blocks[block], lane, (hit.slot & kSecondTriangle) != 0 ? 3 : 1, hit);
 }
 
 }  // namespace mlt

@@ -24,11 +24,20 @@
 
 namespace mlt {
 
+/// Unit normals of quads are stored: there are few, and hits on them are many. Triangles go without.
+template <int kVertices>
+struct BlockNormals {};
+template <>
+struct BlockNormals<4> {
+  LaneFloat axis[3];
+};
+
 /// kLanes polygons of 3 or 4 vertices. An unused lane holds NaN, which no test accepts.
 template <int kVertices>
 struct alignas(sizeof(LaneFloat)) PolygonBlock {
   static_assert(kVertices == 3 || kVertices == 4);
   LaneFloat corners[3][kVertices];  ///< by axis and vertex
+  [[no_unique_address]] BlockNormals<kVertices> normals;
   std::uint32_t primitive[kLanes];
 
   Vec3 corner(int vertex, int lane) const {
@@ -36,11 +45,11 @@ struct alignas(sizeof(LaneFloat)) PolygonBlock {
   }
 };
 
-/// Where the ray meets one polygon: t, and weights of the corners a, c and `middle` that sum to `weight_sum`.
+/// Where the ray meets one polygon: t, and the weights of the corners a, c and `middle`, which sum to 1.
 struct PolygonCrossing {
   bool inside = false;
   int middle = 1;  ///< 1: triangle a, b, c; 3: triangle a, c, d
-  double weight_a = 0, weight_middle = 0, weight_c = 0, weight_sum = 0;
+  double weight_middle = 0, weight_c = 0;
   double t = 0;
 };
 
@@ -52,34 +61,35 @@ MLT_INLINE T edge_function(T px, T py, T qx, T qy) {
 
 /// The test for one lane in double, on the sheared float vertices; exact signs.
 template <int kVertices>
-PolygonCrossing cross_polygon(const PolygonBlock<kVertices>& block, int lane, const RayFrame& ray) {
+PolygonCrossing cross_polygon(const PolygonBlock<kVertices>& block, int lane, const Ray& ray) {
+  const RayShear shear(ray);
   double x[kVertices], y[kVertices], z[kVertices];
-#pragma GCC unroll 4
   for (int i = 0; i < kVertices; ++i) {
     // In float as in the vector test, so that both see the same sheared vertices.
-    const float depth = block.corners[ray.axis_z][i][lane] - ray.origin_z[0];
-    x[i] = (block.corners[ray.axis_x][i][lane] - ray.origin_x[0]) - ray.shear_x[0] * depth;
-    y[i] = (block.corners[ray.axis_y][i][lane] - ray.origin_y[0]) - ray.shear_y[0] * depth;
+    const float depth = block.corners[shear.axis_z][i][lane] - shear.origin_z;
+    x[i] = (block.corners[shear.axis_x][i][lane] - shear.origin_x) - shear.shear_x * depth;
+    y[i] = (block.corners[shear.axis_y][i][lane] - shear.origin_y) - shear.shear_y * depth;
     z[i] = depth;
   }
   PolygonCrossing crossing;
   const double ca = edge_function(x[2], y[2], x[0], y[0]);
-  for (int middle = 1; middle < kVertices && !crossing.inside; middle += 2) {
+  for (int middle = 1; middle < kVertices; middle += 2) {
     const double sign = middle == 1 ? 1.0 : -1.0;
+    const double weight_a = sign * edge_function(x[middle], y[middle], x[2], y[2]);
+    const double weight_middle = sign * ca;
+    const double weight_c = sign * edge_function(x[0], y[0], x[middle], y[middle]);
+    const bool none_negative = weight_a >= 0 && weight_middle >= 0 && weight_c >= 0;
+    const bool none_positive = weight_a <= 0 && weight_middle <= 0 && weight_c <= 0;
+    const double sum = (weight_a + weight_middle) + weight_c;
+    if (!(none_negative || none_positive) || sum == 0) continue;
+    const double depth = (weight_a * z[0] + weight_middle * z[middle]) + weight_c * z[2];
+    crossing.inside = true;
     crossing.middle = middle;
-    crossing.weight_a = sign * edge_function(x[middle], y[middle], x[2], y[2]);
-    crossing.weight_middle = sign * ca;
-    crossing.weight_c = sign * edge_function(x[0], y[0], x[middle], y[middle]);
-    const bool none_negative =
-        crossing.weight_a >= 0 && crossing.weight_middle >= 0 && crossing.weight_c >= 0;
-    const bool none_positive =
-        crossing.weight_a <= 0 && crossing.weight_middle <= 0 && crossing.weight_c <= 0;
-    crossing.weight_sum = (crossing.weight_a + crossing.weight_middle) + crossing.weight_c;
-    crossing.inside = (none_negative || none_positive) && crossing.weight_sum != 0;
+    crossing.weight_middle = weight_middle / sum;
+    crossing.weight_c = weight_c / sum;
+    crossing.t = depth / sum * static_cast<double>(shear.inverse_z);
+    break;
   }
-  const double depth =
-      (crossing.weight_a * z[0] + crossing.weight_middle * z[crossing.middle]) + crossing.weight_c * z[2];
-  crossing.t = depth / crossing.weight_sum * static_cast<double>(ray.inverse_z[0]);
   return crossing;
 }
 
@@ -164,14 +174,20 @@ struct BlockEdges<4> {
 struct MetTriangles {
   LaneFloat t_a, t_middle, t_c;
   LaneFloat weight_a, weight_middle, weight_c;
-  LaneInt sure;  ///< lanes strictly inside
+  LaneInt second;  ///< lanes where it is the triangle a, c, d
+  LaneInt sure;    ///< lanes strictly inside
 };
 
 MLT_INLINE MetTriangles met_triangles(const ShearedBlock<3>& s, const BlockEdges<3>& edges,
                                       const RayFrame& ray) {
-  return {
-      s.z[0] * ray.inverse_z, s.z[1] * ray.inverse_z, s.z[2] * ray.inverse_z, edges.bc, edges.ca, edges.ab,
-      edges.surely_inside()};
+  return {s.z[0] * ray.inverse_z,
+          s.z[1] * ray.inverse_z,
+          s.z[2] * ray.inverse_z,
+          edges.bc,
+          edges.ca,
+          edges.ab,
+          LaneInt{},
+          edges.surely_inside()};
 }
 
 MLT_INLINE MetTriangles met_triangles(const ShearedBlock<4>& s, const BlockEdges<4>& edges,
@@ -183,6 +199,7 @@ MLT_INLINE MetTriangles met_triangles(const ShearedBlock<4>& s, const BlockEdges
           select(first, edges.bc, edges.cd),
           select(first, edges.ca, -edges.ca),
           select(first, edges.ab, edges.da),
+          ~first,
           first | edges.surely_in_second()};
 }
 
@@ -212,52 +229,72 @@ MLT_INLINE LaneFloat box_entry(const PolygonBlock<kVertices>& block, const RayFr
   return entry;
 }
 
-/// Replaces t of the lanes in `bits` by the distance of cross_polygon, or by a negative number.
+/// Where the ray meets the polygons of a block, by lane.
+struct PolygonHits {
+  LaneFloat t;
+  LaneFloat weight_middle, weight_c;  ///< of the corners b or d, and c; that of a is the rest to 1
+  LaneInt second;                     ///< lanes that lie in triangle a, c, d
+};
+
+/// Replaces the lanes in `bits` by the result of cross_polygon; misses get a negative t.
 template <int kVertices>
-[[gnu::noinline, gnu::cold]] void refine_lanes(const PolygonBlock<kVertices>& block, const RayFrame& ray,
-                                               unsigned bits, LaneFloat& t) {
+[[gnu::noinline, gnu::cold]] void refine_lanes(const PolygonBlock<kVertices>& block, const Ray& ray,
+                                               unsigned bits, PolygonHits& hits) {
   while (bits != 0) {
     const int lane = take_lowest(bits);
     const PolygonCrossing crossing = cross_polygon(block, lane, ray);
     // Only distances that a float can hold; the comparisons also reject NaN.
     const bool representable = crossing.inside && crossing.t > 0.0 && crossing.t < 3e38;
-    t[lane] = representable ? static_cast<float>(crossing.t) : -1.0f;
+    hits.t[lane] = representable ? static_cast<float>(crossing.t) : -1.0f;
+    hits.weight_middle[lane] = static_cast<float>(crossing.weight_middle);
+    hits.weight_c[lane] = static_cast<float>(crossing.weight_c);
+    hits.second[lane] = crossing.middle == 3 ? -1 : 0;
   }
 }
 
-/// Lanes whose polygon the ray meets at 0 < t <= limit, as bits; `t` is meaningful in those lanes.
+/// Lanes whose distance the vector formula does not settle: an edge function is zero, or the corners lie on
+/// both sides of the origin and the depth is smaller than its error.
+template <int kVertices>
+MLT_INLINE LaneInt unsure_lanes(const ShearedBlock<kVertices>& sheared, const MetTriangles& met,
+                                LaneInt inside, LaneFloat depth) {
+  const LaneFloat zero{};
+  const LaneInt before = min_lanes(min_lanes(met.t_a, met.t_middle), met.t_c) > zero;
+  const LaneInt behind = max_lanes(max_lanes(met.t_a, met.t_middle), met.t_c) <= zero;
+  const LaneInt unsure = inside & ~(met.sure & (before | behind));
+  if (lane_bits(unsure) == 0) return unsure;
+  // With Q = max|x| max|y|, weights are at most 2Q and off by 4uQ, so three products and two sums are off by
+  // 34u Q max|t|; an exact depth has the same sign when it is larger.
+  const LaneFloat reach =
+      max_lanes(max_lanes(abs_lanes(met.t_a), abs_lanes(met.t_middle)), abs_lanes(met.t_c));
+  const LaneFloat error =
+      (largest_magnitude(sheared.x) * largest_magnitude(sheared.y)) * (reach * (40 * 0x1p-24f));
+  return unsure & ~(met.sure & (abs_lanes(depth) > error));
+}
+
+/// Lanes whose polygon the ray meets at 0 < t <= limit, as bits; `hits` is meaningful in those lanes.
 template <int kVertices>
 MLT_INLINE unsigned intersect_block(const PolygonBlock<kVertices>& block, const RayFrame& ray,
-                                    LaneFloat limit, LaneFloat& t) {
+                                    LaneFloat limit, PolygonHits& hits) {
   const ShearedBlock<kVertices> sheared(block, ray);
   const BlockEdges<kVertices> edges(sheared);
   const LaneInt inside = edges.maybe_inside();
   if (lane_bits(inside) == 0) return 0;
 
-  const LaneFloat zero{};
   const MetTriangles met = met_triangles(sheared, edges, ray);
   const LaneFloat depth =
       (met.weight_a * met.t_a + met.weight_middle * met.t_middle) + met.weight_c * met.t_c;
-  const LaneFloat area = (met.weight_a + met.weight_middle) + met.weight_c;
-  t = depth / area;
-  const LaneInt before = min_lanes(min_lanes(met.t_a, met.t_middle), met.t_c) > zero;
-  LaneInt unsure = inside & ~(met.sure & before);
-  if (lane_bits(unsure) != 0) {
-    // With Q = max|x| max|y|, weights are at most 2Q and off by 4uQ, so three products and two sums are off
-    // by 34u Q max|t|; an exact depth has the same sign when it is larger.
-    const LaneFloat reach =
-        max_lanes(max_lanes(abs_lanes(met.t_a), abs_lanes(met.t_middle)), abs_lanes(met.t_c));
-    const LaneFloat error =
-        (largest_magnitude(sheared.x) * largest_magnitude(sheared.y)) * (reach * 40 * 0x1p-24f);
-    const LaneFloat last = max_lanes(max_lanes(met.t_a, met.t_middle), met.t_c);
-    unsure &= ~(met.sure & ((abs_lanes(depth) > error) | (last <= zero)));
-    if (const unsigned bits = lane_bits(unsure); bits != 0) refine_lanes(block, ray, bits, t);
+  const LaneFloat scale = broadcast(1.0f) / ((met.weight_a + met.weight_middle) + met.weight_c);
+  hits = {depth * scale, met.weight_middle * scale, met.weight_c * scale, met.second};
+  if (const unsigned bits = lane_bits(unsure_lanes(sheared, met, inside, depth)); bits != 0) {
+    PolygonHits refined = hits;
+    refine_lanes(block, *ray.ray, bits, refined);
+    hits = refined;
   }
-  const LaneInt ahead = inside & (t > zero) & (t <= limit);
+  const LaneInt ahead = inside & (hits.t > LaneFloat{}) & (hits.t <= limit);
   if (lane_bits(ahead) == 0) return 0;
   // The order of the arguments keeps a t that is NaN.
-  t = max_lanes(box_entry(block, ray), t);
-  return lane_bits(ahead & (t <= limit));
+  hits.t = max_lanes(box_entry(block, ray), hits.t);
+  return lane_bits(ahead & (hits.t <= limit));
 }
 
 }  // namespace mlt

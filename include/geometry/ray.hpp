@@ -21,7 +21,9 @@ struct Ray {
 struct Hit {
   float t = 0;
   std::uint32_t primitive = kNoPrimitive;  ///< quads, then triangles, then spheres, each in scene order
-  std::uint32_t slot = 0;                  ///< where the primitive is stored; meaningful to Geometry alone
+  // Where the primitive is stored and where on it the hit lies; meaningful to Geometry::surface_point alone.
+  std::uint32_t slot = 0;
+  float weights[2] = {0, 0};
 
   bool found() const { return primitive != kNoPrimitive; }
 };

@@ -22,52 +22,74 @@ inline constexpr float kBoxPadding = 0x1p-19f;  ///< of M above
 /// A direction component smaller than this part of the largest one counts as this part.
 inline constexpr float kSmallestSlope = 0x1p-30f;
 
-struct RayFrame {
-  /// `extent` is the largest absolute coordinate of any primitive.
-  RayFrame(const Ray& ray, float extent);
+/// The sheared frame of a ray in scalars.
+struct RayShear {
+  explicit RayShear(const Ray& ray);
 
-  // The ray's largest direction component is axis_z; permuted coordinates are (axis_x, axis_y, axis_z).
-  int axis_x, axis_y, axis_z;
-  LaneFloat origin_x, origin_y, origin_z;  ///< permuted
-  LaneFloat shear_x, shear_y;              ///< direction x/z and y/z
-  LaneFloat inverse_z;                     ///< 1 / direction z: depth times this is t
-
-  LaneFloat natural_origin[3], direction[3];  ///< unpermuted, for spheres
-
-  // Slabs by unpermuted axis: the distance to a plane that a box is entered by is (plane - near_origin) *
-  // inverse.
-  LaneFloat near_origin[3], far_origin[3], inverse[3];
-  int near_side[3];  ///< 0 where the box is entered by its low plane, 1 by its high plane
+  int axis_x, axis_y, axis_z;          ///< z: the direction's largest component; x and y follow it cyclically
+  float origin_x, origin_y, origin_z;  ///< in this order of axes
+  float shear_x, shear_y;              ///< direction x/z and y/z
+  float inverse_z;                     ///< 1 / direction z: depth times this is t
 };
 
-MLT_INLINE RayFrame::RayFrame(const Ray& ray, float extent) {
+MLT_INLINE RayShear::RayShear(const Ray& ray) {
   const float origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-  const float along[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  const float size[3] = {std::fabs(along[0]), std::fabs(along[1]), std::fabs(along[2])};
-  axis_z = size[1] > size[0] ? 1 : 0;
-  axis_z = size[2] > size[axis_z] ? 2 : axis_z;
+  const float direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  axis_z = std::fabs(direction[1]) > std::fabs(direction[0]) ? 1 : 0;
+  axis_z = std::fabs(direction[2]) > std::fabs(direction[axis_z]) ? 2 : axis_z;
   axis_x = axis_z == 2 ? 0 : axis_z + 1;
   axis_y = axis_x == 2 ? 0 : axis_x + 1;
-  origin_x = broadcast(origin[axis_x]);
-  origin_y = broadcast(origin[axis_y]);
-  origin_z = broadcast(origin[axis_z]);
-  shear_x = broadcast(along[axis_x] / along[axis_z]);
-  shear_y = broadcast(along[axis_y] / along[axis_z]);
-  inverse_z = broadcast(1.0f / along[axis_z]);
+  origin_x = origin[axis_x];
+  origin_y = origin[axis_y];
+  origin_z = origin[axis_z];
+  shear_x = direction[axis_x] / direction[axis_z];
+  shear_y = direction[axis_y] / direction[axis_z];
+  inverse_z = 1.0f / direction[axis_z];
+}
 
-  float reach = std::fabs(origin[0]);
-  reach = std::fabs(origin[1]) > reach ? std::fabs(origin[1]) : reach;
-  reach = std::fabs(origin[2]) > reach ? std::fabs(origin[2]) : reach;
-  const float padding = (reach + extent) * kBoxPadding;
-  const float smallest = size[axis_z] * kSmallestSlope;
+/// All of a ray in lanes. Functions that take one are inlined, so that members without use cost nothing.
+struct RayFrame {
+  /// `extent` is the largest absolute coordinate of any primitive. `ray` must outlive the frame.
+  RayFrame(const Ray& ray, float extent);
+
+  const Ray* ray;
+  int axis_x, axis_y, axis_z;
+  LaneFloat origin_x, origin_y, origin_z, shear_x, shear_y, inverse_z;  ///< as RayShear
+
+  LaneFloat origin[3], direction[3];  ///< for spheres
+
+  // Slabs: the distance to a plane that a box is entered by is (plane - near_origin) * inverse.
+  LaneFloat near_origin[3], far_origin[3], inverse[3];
+  int near_side[3];  ///< 0 where a box is entered by its low plane, 1 by its high plane
+};
+
+MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r) {
+  const RayShear shear(r);
+  axis_x = shear.axis_x;
+  axis_y = shear.axis_y;
+  axis_z = shear.axis_z;
+  origin_x = broadcast(shear.origin_x);
+  origin_y = broadcast(shear.origin_y);
+  origin_z = broadcast(shear.origin_z);
+  shear_x = broadcast(shear.shear_x);
+  shear_y = broadcast(shear.shear_y);
+  inverse_z = broadcast(shear.inverse_z);
+
+  const float at[3] = {r.origin.x, r.origin.y, r.origin.z};
+  const float along[3] = {r.direction.x, r.direction.y, r.direction.z};
+  const Vec3 sizes{std::fabs(along[0]), std::fabs(along[1]), std::fabs(along[2])};
+  const Vec3 distances{std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])};
+  const float padding = (max_component(distances) + extent) * kBoxPadding;
+  const float smallest = max_component(sizes) * kSmallestSlope;
 #pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
-    natural_origin[axis] = broadcast(origin[axis]);
+    origin[axis] = broadcast(at[axis]);
     direction[axis] = broadcast(along[axis]);
-    const float slope = size[axis] > smallest ? size[axis] : smallest;
+    const float size = std::fabs(along[axis]);
+    const float slope = size > smallest ? size : smallest;
     const float signed_padding = std::copysign(padding, along[axis]);
-    near_origin[axis] = broadcast(origin[axis] + signed_padding);
-    far_origin[axis] = broadcast(origin[axis] - signed_padding);
+    near_origin[axis] = broadcast(at[axis] + signed_padding);
+    far_origin[axis] = broadcast(at[axis] - signed_padding);
     inverse[axis] = broadcast(1.0f / std::copysign(slope, along[axis]));
     near_side[axis] = std::signbit(along[axis]) ? 1 : 0;
   }

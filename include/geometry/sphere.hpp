@@ -33,14 +33,18 @@ MLT_INLINE LaneFloat box_entry(const SphereBlock& block, const RayFrame& ray) {
   return entry;
 }
 
-/// Lanes whose sphere the ray meets at 0 < t <= limit, as bits; `t` is meaningful in those lanes. The entry
-/// point counts, or the exit point for a ray that starts inside.
+struct SphereHits {
+  LaneFloat t;
+};
+
+/// Lanes whose sphere the ray meets at 0 < t <= limit, as bits; `hits` is meaningful in those lanes. The
+/// entry point counts, or the exit point for a ray that starts inside.
 MLT_INLINE unsigned intersect_block(const SphereBlock& block, const RayFrame& ray, LaneFloat limit,
-                                    LaneFloat& t) {
+                                    SphereHits& hits) {
   const LaneFloat zero{};
-  const LaneFloat fx = ray.natural_origin[0] - block.center[0];
-  const LaneFloat fy = ray.natural_origin[1] - block.center[1];
-  const LaneFloat fz = ray.natural_origin[2] - block.center[2];
+  const LaneFloat fx = ray.origin[0] - block.center[0];
+  const LaneFloat fy = ray.origin[1] - block.center[1];
+  const LaneFloat fz = ray.origin[2] - block.center[2];
   const LaneFloat* d = ray.direction;
   const LaneFloat squared_length = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
   const LaneFloat projection = -((fx * d[0] + fy * d[1]) + fz * d[2]);
@@ -59,11 +63,11 @@ MLT_INLINE unsigned intersect_block(const SphereBlock& block, const RayFrame& ra
   const LaneFloat sum = projection + signed_root;
   const LaneFloat power = ((fx * fx + fy * fy) + fz * fz) - squared_radius;  // negative inside the sphere
   const LaneFloat first = power / sum;
-  t = select(first > zero, first, sum / squared_length);
+  const LaneFloat t = select(first > zero, first, sum / squared_length);
   const LaneInt ahead = met & (t > zero) & (t <= limit);
   if (lane_bits(ahead) == 0) return 0;
-  t = max_lanes(box_entry(block, ray), t);
-  return lane_bits(ahead & (t <= limit));
+  hits.t = max_lanes(box_entry(block, ray), t);
+  return lane_bits(ahead & (hits.t <= limit));
 }
 
 }  // namespace mlt

@@ -17,26 +17,28 @@ inline Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return Vec3{normalize(cross(DVec3{b} - from, DVec3{c} - from))};
 }
 
-/// The point a + v (m - a) + w (c - a), m being corner b or d.
+MLT_INLINE Vec3 front_normal(const PolygonBlock<3>& block, int lane) {
+  return unit_normal(block.corner(0, lane), block.corner(1, lane), block.corner(2, lane));
+}
+MLT_INLINE Vec3 front_normal(const PolygonBlock<4>& block, int lane) {
+  return Vec3{block.normals.axis[0][lane], block.normals.axis[1][lane], block.normals.axis[2][lane]};
+}
+
+/// The point a + v (m - a) + w (c - a), m being corner `middle`, 1 or 3.
 ///
 /// Rounding: with u = 2^-24 and E the sum of the absolute edges, each coordinate is off by u|p| + 4uE, and by
 /// another u|p| after the offset is added. The polygon test of a ray that leaves from there sees corners
 /// moved by up to 7uE (ray_frame.hpp), along a normal whose components sum to at most sqrt(3). The bound is
 /// their sum with a little to spare.
 template <int kVertices>
-MLT_INLINE SurfacePoint polygon_point(const PolygonBlock<kVertices>& block, int lane, const Ray& ray) {
-  const RayFrame frame(ray, 0.0f);
-  const PolygonCrossing crossing = cross_polygon(block, lane, frame);
+MLT_INLINE SurfacePoint polygon_point(const PolygonBlock<kVertices>& block, int lane, int middle,
+                                      const Hit& hit) {
   const Vec3 a = block.corner(0, lane);
-  const Vec3 c = block.corner(2, lane);
-  const Vec3 to_middle = block.corner(crossing.middle, lane) - a;
-  const Vec3 to_c = c - a;
-  const double scale = 1.0 / crossing.weight_sum;
-  const auto v = static_cast<float>(crossing.weight_middle * scale);
-  const auto w = static_cast<float>(crossing.weight_c * scale);
+  const Vec3 to_middle = block.corner(middle, lane) - a;
+  const Vec3 to_c = block.corner(2, lane) - a;
   SurfacePoint point;
-  point.position = a + (to_middle * v + to_c * w);
-  point.normal = unit_normal(a, block.corner(1, lane), c);
+  point.position = a + (to_middle * hit.weights[0] + to_c * hit.weights[1]);
+  point.normal = front_normal(block, lane);
   const Vec3 along{std::fabs(point.position.x * point.normal.x), std::fabs(point.position.y * point.normal.y),
                    std::fabs(point.position.z * point.normal.z)};
   const Vec3 edges{std::fabs(to_middle.x) + std::fabs(to_c.x), std::fabs(to_middle.y) + std::fabs(to_c.y),

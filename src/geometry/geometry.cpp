@@ -73,6 +73,8 @@ void set_lane(PolygonBlock<4>& block, int lane, const Quad& q) {
   set_corner(block, 1, lane, q.b);
   set_corner(block, 2, lane, q.c);
   set_corner(block, 3, lane, q.d);
+  set_corner(&block.normals.axis[0], &block.normals.axis[1], &block.normals.axis[2], lane,
+             unit_normal(q.a, q.b, q.c));
 }
 
 void set_lane(SphereBlock& block, int lane, const Sphere& s) {

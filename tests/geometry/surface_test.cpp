@@ -108,7 +108,7 @@ TEST_CASE(
 
 TEST_CASE("points on spheres lie on them, and rays that leave do not meet them again from outside") {
   Rng rng(63, StreamPurpose::kTest, 9);
-  int rehits = 0, wrong_side = 0, missed_far_side = 0, off_surface = 0, hits = 0;
+  int rehits = 0, wrong_side = 0, missed_far_side = 0, off_surface = 0, found = 0;
   for (int i = 0; i < 200000; ++i) {
     const Sphere sphere{point_in_cube(rng), std::ldexp(1.0f, -static_cast<int>(below(rng, 12)))};
     static const Shapes one{{}, {}, {Sphere{}}};
@@ -120,10 +120,10 @@ TEST_CASE("points on spheres lie on them, and rays that leave do not meet them a
     const float extent = 2.0f;
     Ray ray{point_in_cube(rng) * 2.0f, Vec3{0, 0, 1}, 1e30f};
     ray.direction = (sphere.center + unit_direction(rng) * (sphere.radius * 0.999f)) - ray.origin;
-    LaneFloat t{};
-    if ((intersect_block(block, RayFrame(ray, extent), broadcast(ray.t_max), t) & 1U) == 0) continue;
-    ++hits;
-    const SurfacePoint point = sphere_point(block, 0, ray, t[0]);
+    SphereHits hits{};
+    if ((intersect_block(block, RayFrame(ray, extent), broadcast(ray.t_max), hits) & 1U) == 0) continue;
+    ++found;
+    const SurfacePoint point = sphere_point(block, 0, ray, hits.t[0]);
     const auto outside = [&](const Vec3& p) {
       const Long3 f = Long3{p} - Long3{sphere.center};
       return std::sqrt(dot(f, f)) - static_cast<long double>(sphere.radius);
@@ -134,22 +134,22 @@ TEST_CASE("points on spheres lie on them, and rays that leave do not meet them a
     const Vec3 origin = point.origin_towards(leaving);
     wrong_side += outwards ? !(outside(origin) > 0) : !(outside(origin) < 0);
     const bool met =
-        (intersect_block(block, RayFrame(Ray{origin, leaving, 1e30f}, extent), broadcast(1e30f), t) & 1U) !=
-        0;
+        (intersect_block(block, RayFrame(Ray{origin, leaving, 1e30f}, extent), broadcast(1e30f), hits) &
+         1U) != 0;
     rehits += outwards && met;
     missed_far_side += !outwards && !met;
     if (!outwards && met) {
       // The far end of the chord.
       const double chord = -2.0 * dot(DVec3{leaving}, DVec3{point.normal}) * double{sphere.radius};
-      off_surface +=
-          std::fabs(chord - double{t[0]}) > 8.0 * double{point.offset_bound} / -dot(leaving, point.normal);
+      off_surface += std::fabs(chord - double{hits.t[0]}) >
+                     8.0 * double{point.offset_bound} / -dot(leaving, point.normal);
     }
   }
   CHECK(rehits == 0);
   CHECK(wrong_side == 0);
   CHECK(missed_far_side == 0);
   CHECK(off_surface == 0);
-  CHECK(hits > 190000);
+  CHECK(found > 190000);
 }
 
 /// Rays from inside a closed mesh at its edges and corners; returns how many escape.
