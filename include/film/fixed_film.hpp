@@ -66,7 +66,8 @@ class FixedFilm {
 };
 
 /// Adds pixels [first, last) of `source` to `sum`.
-void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std::size_t first, std::size_t last);
+void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std::size_t first,
+               std::size_t last);
 
 /// What turns the sums into radiance: pixels * (b * metropolis + w * uniform) / (mutations * 2^bits).
 struct FilmNormalisation {
@@ -77,7 +78,7 @@ struct FilmNormalisation {
 };
 
 /// Develops pixels [first, last) of a summed film.
-void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation, std::span<Vec3> image,
-                  std::size_t first, std::size_t last);
+void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation,
+                  std::span<Vec3> image, std::size_t first, std::size_t last);
 
 }  // namespace mlt

@@ -49,8 +49,10 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   /// For `sample_count` samples (>= 1) in each pixel of a film of width x height pixels.
   PixelSampler(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
       : seed_(seed), width_(width), height_(height) {
-    // Index bits above the sample count would only add a constant digital shift, which the scramble adds anyway.
-    while (index_mask_ < sample_count - 1 && index_mask_ != 0xffffffffU) index_mask_ = (index_mask_ << 1) | 1U;
+    // Index bits above the sample count would only add a constant digital shift, which the scramble adds
+    // anyway.
+    while (index_mask_ < sample_count - 1 && index_mask_ != 0xffffffffU)
+      index_mask_ = (index_mask_ << 1) | 1U;
   }
 
   void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
@@ -95,8 +97,8 @@ class PixelSampler : public FloatSamples<PixelSampler> {
             owen_scramble(sobol_second(index), static_cast<std::uint32_t>(scrambles >> 32))};
   }
 
-  /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at or
-  /// after pixel + jitter, so that multiplying by the width gives back exactly this pixel.
+  /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at
+  /// or after pixel + jitter, so that multiplying by the width gives back exactly this pixel.
   std::uint32_t next_film_coordinate() {
     const std::uint64_t key = mix64(pixel_key_);
     const PairSample jitter = sobol_pair(key);

@@ -16,9 +16,9 @@ namespace mlt {
 inline constexpr std::uint64_t kBootstrapChunk = 64;  ///< paths
 
 struct BootstrapChunk {
-  double sum = 0;          ///< of luminance, in index order
+  double sum = 0;  ///< of luminance, in index order
   double sum_squares = 0;
-  double cumulative = 0;   ///< sum of all chunks before this one; filled by accumulate_bootstrap
+  double cumulative = 0;  ///< sum of all chunks before this one; filled by accumulate_bootstrap
   DefectCounts defects;
 };
 
@@ -62,8 +62,8 @@ constexpr std::uint64_t bootstrap_chunk_count(std::uint64_t paths) {
   return (paths + kBootstrapChunk - 1) / kBootstrapChunk;
 }
 
-/// Calls visit(path index, target) for each path of a chunk, in order. The replay context's step is the path's
-/// index, so that a path that fails can be told also when a chain's search for its start evaluates it.
+/// Calls visit(path index, target) for each path of a chunk, in order. The replay context's step is the
+/// path's index, so that a path that fails can be told also when a chain's search for its start evaluates it.
 template <class Integrator, class Visit>
 void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std::uint64_t chunk_index,
                            std::uint64_t paths, Contribution& contribution, DefectCounts& defects,
@@ -118,7 +118,8 @@ SeedPath find_seed_path(const Integrator& integrator, std::uint64_t seed, std::u
   visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, ignored,
                         [&](std::uint64_t index, float target) {
                           sum += static_cast<double>(target);
-                          // Rounding may leave the position just behind the last path: then that one is taken.
+                          // Rounding may leave the position just behind the last path: then that one is
+                          // taken.
                           if (!passed && target > 0.0f) found = SeedPath{index, target};
                           passed = passed || chunk.cumulative + sum > position;
                         });

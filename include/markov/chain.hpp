@@ -12,6 +12,7 @@
 #include <span>
 
 #include "base/assert.hpp"
+#include "base/planted_fault.hpp"
 #include "markov/acceptance.hpp"
 #include "markov/bootstrap.hpp"
 #include "markov/contribution.hpp"
@@ -23,8 +24,8 @@ struct ChainSettings {
   std::uint64_t seed = 0;
   std::uint64_t chain_index = 0;
   std::uint64_t mutations = 0;
-  float large_step = 0.2f;   ///< probability in [0,1]
-  float weight_b = 0;        ///< w above: the frozen b of the weights, > 0
+  float large_step = 0.2f;  ///< probability in [0,1]
+  float weight_b = 0;       ///< w above: the frozen b of the weights, > 0
   std::uint64_t first_time = 1;
 };
 
@@ -37,8 +38,8 @@ struct ChainWorkspace {
 };
 
 struct ChainStatistics {
-  LuminanceMoments large_steps;     ///< uniform samples, which join the estimate of b
-  double acceptance_large = 0;      ///< sum of acceptance probabilities
+  LuminanceMoments large_steps;  ///< uniform samples, which join the estimate of b
+  double acceptance_large = 0;   ///< sum of acceptance probabilities
   double acceptance_small = 0;
   std::uint64_t small_steps = 0;
   std::uint64_t longest_rejection_run = 0;
@@ -101,7 +102,7 @@ class Chain {
     count(large_step, acceptance);
     proposed_.metropolis_weight = acceptance;
     proposed_.uniform_weight = large_step ? 1.0 : 0.0;
-    current_.metropolis_weight += 1.0 - static_cast<double>(acceptance);
+    current_.metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
     if (happens(samples_.rng(), acceptance)) {
       samples_.accept();
       flush(current_);
@@ -111,7 +112,8 @@ class Chain {
       samples_.reject();
       flush(proposed_);
       rejection_run_ += 1;
-      if (rejection_run_ > statistics_.longest_rejection_run) statistics_.longest_rejection_run = rejection_run_;
+      if (rejection_run_ > statistics_.longest_rejection_run)
+        statistics_.longest_rejection_run = rejection_run_;
     }
   }
 
@@ -133,8 +135,7 @@ class Chain {
     state.uniform_weight = 0;
     if (metropolis_weight == 0.0 && uniform_weight == 0.0) return;
     if (state.contribution.splats().empty()) return;
-    const float scale =
-        1.0f / (state.contribution.target() + settings_.large_step * settings_.weight_b);
+    const float scale = 1.0f / (state.contribution.target() + settings_.large_step * settings_.weight_b);
     for (const Splat& splat : state.contribution.splats()) {
       film_.splat(splat.pixel, splat.value * scale, metropolis_weight, uniform_weight);
     }

@@ -20,7 +20,8 @@ struct DefectCounts {
 
   /// Counts the defect of `value` if it has one, and says whether it has.
   bool reject(const Vec3& value) {
-    if (value.x >= 0.0f && value.y >= 0.0f && value.z >= 0.0f && is_finite(value)) [[likely]] return false;
+    if (value.x >= 0.0f && value.y >= 0.0f && value.z >= 0.0f && is_finite(value)) [[likely]]
+      return false;
     if (std::isnan(value.x) || std::isnan(value.y) || std::isnan(value.z)) {
       ++nan;
     } else if (!is_finite(value)) {
@@ -58,7 +59,8 @@ class Contribution {
     splats_[count_++] = splat;
   }
 
-  /// Sums the target, or empties the contribution when any splat is defective: never accepted, never splatted.
+  /// Sums the target, or empties the contribution when any splat is defective: never accepted, never
+  /// splatted.
   void finish(DefectCounts& defects) {
     target_ = 0;
     for (const Splat& splat : splats()) {

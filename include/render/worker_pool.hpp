@@ -19,16 +19,28 @@ namespace mlt {
 using UnitFunction = void (*)(void* context, std::uint32_t worker, std::uint64_t unit);
 
 struct Phase {
-  const char* stage = "";      ///< for failure reports
+  const char* stage = "";  ///< for failure reports
   UnitFunction run = nullptr;
   void* context = nullptr;
   std::uint64_t units = 0;
-  bool stoppable = false;      ///< whether the stop flag ends it between units
+  bool stoppable = false;  ///< whether the stop flag ends it between units
 };
 
-/// A worker's stack. Deep enough for the sanitizers' larger frames.
+#if defined(__SANITIZE_THREAD__)
+#define MLT_LARGE_STACKS 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define MLT_LARGE_STACKS 1
+#endif
+#endif
+#ifndef MLT_LARGE_STACKS
+#define MLT_LARGE_STACKS 0
+#endif
+
+/// A worker's stack. Deep enough for the larger frames of sanitizers; those that keep their own data for each
+/// thread on its stack refuse to start a thread with less than about a megabyte.
 struct alignas(64) WorkerStack {
-  static constexpr std::size_t kBytes = std::size_t{256} << 10;
+  static constexpr std::size_t kBytes = MLT_LARGE_STACKS ? std::size_t{2} << 20 : std::size_t{256} << 10;
   std::byte bytes[kBytes];
 };
 
@@ -39,8 +51,8 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// Starts one thread for each stack and waits until all are ready to work. Throws ResourceError when the
-  /// system refuses a thread.
+  /// Starts one thread for each stack (at least one) and waits until all are ready to work. Throws
+  /// ResourceError when the system refuses a thread. A pool starts once.
   void start(std::span<WorkerStack> stacks, std::span<pthread_t> threads);
 
   /// Ends and joins all threads; called by the destructor as well.

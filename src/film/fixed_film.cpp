@@ -2,7 +2,8 @@
 
 namespace mlt {
 
-void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std::size_t first, std::size_t last) {
+void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std::size_t first,
+               std::size_t last) {
   for (std::size_t i = first; i < last; ++i) {
     for (int channel = 0; channel < 3; ++channel) {
       sum[i].metropolis[channel] += source[i].metropolis[channel];
@@ -11,8 +12,8 @@ void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std:
   }
 }
 
-void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation, std::span<Vec3> image,
-                  std::size_t first, std::size_t last) {
+void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation,
+                  std::span<Vec3> image, std::size_t first, std::size_t last) {
   const double unit = static_cast<double>(std::uint64_t{1} << normalisation.fraction_bits);
   const double scale =
       static_cast<double>(film.size()) / (static_cast<double>(normalisation.mutations) * unit);

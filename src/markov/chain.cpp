@@ -7,7 +7,8 @@ void ChainStatistics::add(const ChainStatistics& other) {
   acceptance_large += other.acceptance_large;
   acceptance_small += other.acceptance_small;
   small_steps += other.small_steps;
-  if (other.longest_rejection_run > longest_rejection_run) longest_rejection_run = other.longest_rejection_run;
+  if (other.longest_rejection_run > longest_rejection_run)
+    longest_rejection_run = other.longest_rejection_run;
   mutations += other.mutations;
   defects.add(other.defects);
 }

@@ -12,7 +12,7 @@ namespace mlt {
 namespace {
 
 // What a unit of work may use of a stack, with room to spare; the rest is for thread start and exit.
-constexpr std::size_t kTouchedStack = WorkerStack::kBytes / 2;
+constexpr std::size_t kTouchedStack = std::size_t{128} << 10;
 constexpr std::uint32_t kIdleMilliseconds = 250;
 
 /// Results differ where denormals are flushed to zero, which another library can switch on for a process.
@@ -27,6 +27,8 @@ void check_denormals() {
 
 void WorkerPool::start(std::span<WorkerStack> stacks, std::span<pthread_t> threads) {
   MLT_CHECK_OP(stacks.size(), ==, threads.size());
+  MLT_CHECK_OP(threads.size(), >, 0U);
+  MLT_CHECK(threads_.empty() && !exiting_);
   const std::uint32_t ready = phase_done_.value();
   busy_workers_.store(static_cast<std::uint32_t>(threads.size()));
   for (std::size_t i = 0; i < threads.size(); ++i) {

@@ -2,6 +2,7 @@
 // where the pool's own ordering must suffice, so that a thread sanitizer sees it when it does not.
 #include "render/worker_pool.hpp"
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -145,6 +146,18 @@ TEST_CASE("a pool can end without a phase, be stopped twice, or never start") {
   Pool pool(3);
   pool->stop();
   pool->stop();
+}
+
+TEST_CASE("a pool without threads, or started again, is a bug instead of a wait for ever") {
+  const auto exit_code = [](auto body) { return run_in_child(body).exit_code; };
+  CHECK(exit_code([] { Pool pool(0); }) == 70);
+  CHECK(exit_code([] {
+          Pool pool(1);
+          pool->stop();
+          std::array<pthread_t, 1> thread{};
+          const std::unique_ptr<WorkerStack[]> stack(new WorkerStack[1]);
+          pool->start({stack.get(), 1}, thread);
+        }) == 70);
 }
 
 TEST_CASE("an event releases all waiters once it differs from the value they know") {
