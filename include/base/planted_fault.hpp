@@ -1,7 +1,9 @@
 // Faults planted on purpose, one per layer of the proof that a render neither allocates, locks, grows, faults
 // nor throws (tests/proof): a build with MLT_PLANTED_FAULT=1..6 must be caught. The worker loop calls
 // planted_fault() once per unit of work; in every other build it is empty. Inline, so that the fault's
-// symbols stand in the object of the render loop, where the symbol check looks for them.
+// symbols stand in the object of the render loop, where the symbol check looks for them. Number 7 makes the
+// chains' estimate wrong, which the comparison with the path tracer must catch
+// (tools/planted_weight_test.sh).
 #pragma once
 
 #ifdef MLT_PLANTED_FAULT
@@ -20,6 +22,7 @@ inline constexpr int kFaultGrowthCall = 3;
 inline constexpr int kFaultPage = 4;
 inline constexpr int kFaultThrow = 5;
 inline constexpr int kFaultRecursion = 6;
+inline constexpr int kFaultLostWeight = 7;
 
 /// Address space reserved when the process starts, of which no page is present.
 struct UntouchedPages {
@@ -62,8 +65,13 @@ inline void planted_fault() {
     volatile int depth = 3;
     planted_recursion(depth);
   } else {
-    static_assert(MLT_PLANTED_FAULT >= kFaultAllocation && MLT_PLANTED_FAULT <= kFaultRecursion);
+    static_assert(MLT_PLANTED_FAULT == kFaultLostWeight);
   }
+}
+
+/// The weight that a state gains when it is kept; 30 % of it gets lost under the fault.
+constexpr double planted_weight(double weight) {
+  return MLT_PLANTED_FAULT == kFaultLostWeight ? weight * 0.7 : weight;
 }
 
 }  // namespace mlt
@@ -72,6 +80,9 @@ inline void planted_fault() {
 
 namespace mlt {
 inline void planted_fault() {}
+constexpr double planted_weight(double weight) {
+  return weight;
+}
 }  // namespace mlt
 
 #endif
