@@ -14,7 +14,7 @@
 namespace mlt {
 
 /// A word of the input as it may be shown on a terminal: in single quotes, bytes outside printable ASCII as
-/// \xNN, cut after 40 bytes.
+/// \xNN, cut after 80 bytes.
 std::string printable(std::string_view text);
 
 /// Shortest decimal text that reads back as the same number.

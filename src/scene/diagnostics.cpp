@@ -8,7 +8,7 @@
 namespace mlt {
 
 std::string printable(std::string_view text) {
-  constexpr std::size_t kShown = 40;
+  constexpr std::size_t kShown = 80;
   constexpr char kHexDigits[] = "0123456789abcdef";
   std::string out = "'";
   for (const char character : text.substr(0, kShown)) {

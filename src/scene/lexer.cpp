@@ -119,7 +119,8 @@ std::size_t LineReader::take_token(std::string_view line, std::size_t begin, Tok
   if (token.quoted) {
     std::size_t end = begin + 1;
     while (end < line.size() && line[end] != '"') {
-      if (is_control(line[end]) || line[end] == '\t' || line[end] == '\r') fail(end, control_byte_message(line[end]));
+      if (is_control(line[end]) || line[end] == '\t' || line[end] == '\r')
+        fail(end, control_byte_message(line[end]));
       ++end;
     }
     if (end == line.size()) fail(begin, "the quote is not closed; a second '\"' is needed on the same line");

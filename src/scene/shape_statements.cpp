@@ -12,18 +12,20 @@ namespace {
 constexpr bool kMayFaceInward = true;
 
 DVec3 scale_factors(StatementCursor& cursor) {
+  const SourceLocation at = cursor.last();
   const DVec3 factors = cursor.colour("a scale factor", {-kMaxCoordinate, kMaxCoordinate});
   if (factors.x == 0 || factors.y == 0 || factors.z == 0) {
-    fail_at(cursor.last(), "a scale factor of 0 makes the transform singular; other numbers are allowed");
+    fail_at(at, "a scale factor of 0 makes the transform singular; other numbers are allowed");
   }
   return factors;
 }
 
 Affine read_rotation(StatementCursor& cursor) {
+  const SourceLocation at = cursor.last();
   const double degrees = cursor.number_in("the angle of rotation in degrees", {-3600, 3600});
   const DVec3 axis = cursor.vector("a component of the rotation's axis");
   if (axis.x == 0 && axis.y == 0 && axis.z == 0) {
-    fail_at(cursor.last(), "the axis of the rotation has length 0, which makes the transform singular");
+    fail_at(at, "the axis of the rotation has length 0, which makes the transform singular");
   }
   return rotation(degrees, axis);
 }

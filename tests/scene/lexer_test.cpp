@@ -128,5 +128,5 @@ TEST_CASE("Integers have no fraction, exponent or overflow") {
 TEST_CASE("Shown words are short, quoted and free of control bytes") {
   CHECK(printable("a b") == "'a b'");
   CHECK(printable("\x1b[31m\xc3\xa4\x7f") == "'\\x1b[31m\\xc3\\xa4\\x7f'");
-  CHECK(printable(std::string(100, 'x')) == "'" + std::string(40, 'x') + "...'");
+  CHECK(printable(std::string(100, 'x')) == "'" + std::string(80, 'x') + "...'");
 }
