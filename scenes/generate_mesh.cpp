@@ -1,15 +1,15 @@
 // Writes mesh.ply, a closed tube along a (2,3) torus knot with a twisted relief, 131,072 triangles, and
 // mesh.txt, a scene that shows it, into the folder given as argument. `make scenes` runs it; the files are
 // too large to be stored, and a mesh must lie in its scene's folder, so the scene is written along with it.
-// The file's bits are the same from every machine: double arithmetic and the project's own sine and cosine.
+// The file's bits are the same from every machine: all angles are whole parts of a turn, whose sines and
+// cosines follow from square roots and products alone.
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
-
-#include "../include/math/degrees.hpp"
 
 namespace {
 
@@ -41,21 +41,39 @@ Point normalize(const Point& v) {
   return v * (1.0 / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
 }
 
+struct SinCos {
+  double sin = 0, cos = 1;
+};
+
+// Sine and cosine of all multiples of a 1024th of a turn: the quarter turn halved eight times, then added up.
+std::array<SinCos, kAlong> circle() {
+  SinCos step{1, 0};
+  for (std::uint32_t parts = 4; parts < kAlong; parts *= 2) {
+    const double half_cos = std::sqrt((1 + step.cos) / 2);
+    step = SinCos{step.sin / (2 * half_cos), half_cos};
+  }
+  std::array<SinCos, kAlong> points{};
+  for (std::uint32_t i = 1; i < kAlong; ++i) {
+    const SinCos& last = points[i - 1];
+    points[i] = SinCos{last.sin * step.cos + last.cos * step.sin, last.cos * step.cos - last.sin * step.sin};
+  }
+  return points;
+}
+
 // The knot lies on a torus; the torus' normal is perpendicular to the knot's tangent everywhere and, unlike
 // the curve's own normal, returns to itself after one round, so rings built on it close without a twist.
-Point tube_point(std::uint32_t ring, std::uint32_t step) {
-  const double round = 360.0 * ring / kAlong;
-  const double angle = 360.0 * step / kAround;
-  const mlt::DSinCos p = mlt::sincos_degrees(kWindings * round);
-  const mlt::DSinCos q = mlt::sincos_degrees(kTurns * round);
+Point tube_point(const std::array<SinCos, kAlong>& parts, std::uint32_t ring, std::uint32_t step) {
+  const std::uint32_t around = step * (kAlong / kAround);
+  const SinCos& p = parts[kWindings * ring % kAlong];
+  const SinCos& q = parts[kTurns * ring % kAlong];
+  const SinCos& a = parts[around];
+  const SinCos& relief = parts[(kReliefRidges * around + kReliefTwists * ring) % kAlong];
   const double distance = kMajorRadius + kMinorRadius * q.cos;
   const Point center{distance * p.cos, kMinorRadius * q.sin, distance * p.sin};
   const Point normal{q.cos * p.cos, q.sin, q.cos * p.sin};
   const Point along_windings{-distance * p.sin, 0, distance * p.cos};
   const Point along_turns{-kMinorRadius * q.sin * p.cos, kMinorRadius * q.cos, -kMinorRadius * q.sin * p.sin};
   const Point tangent = normalize(along_windings * double{kWindings} + along_turns * double{kTurns});
-  const mlt::DSinCos a = mlt::sincos_degrees(angle);
-  const mlt::DSinCos relief = mlt::sincos_degrees(kReliefRidges * angle + kReliefTwists * round);
   const Point outward = normal * a.cos + cross(tangent, normal) * a.sin;
   return center + outward * (kTubeRadius + kReliefHeight * relief.cos);
 }
@@ -81,9 +99,10 @@ std::vector<char> knot() {
       "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
       std::to_string(2 * kAlong * kAround) + "\nproperty list uchar uint vertex_indices\nend_header\n";
   std::vector<char> bytes(header.begin(), header.end());
+  const std::array<SinCos, kAlong> parts = circle();
   for (std::uint32_t ring = 0; ring < kAlong; ++ring) {
     for (std::uint32_t step = 0; step < kAround; ++step) {
-      const Point point = tube_point(ring, step);
+      const Point point = tube_point(parts, ring, step);
       append(bytes, static_cast<float>(point.x));
       append(bytes, static_cast<float>(point.y));
       append(bytes, static_cast<float>(point.z));
