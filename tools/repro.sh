@@ -62,6 +62,10 @@ build release || { closing; exit 1; }
 
 if [ "$mode" = accept ]; then
   render_jobs "$all" build/release/film_hash threads=2 >"$log/accepted"
+  if grep -vE ' [0-9a-f]{64}$' "$log/accepted"; then
+    echo "These jobs gave no hash; the list stays as it is."
+    exit 1
+  fi
   # The list keeps its order and comments.
   awk 'NR == FNR { hash = $NF; NF--; fresh[$0] = hash; next }
     /^(#|$)/ { print; next }

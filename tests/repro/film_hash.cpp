@@ -107,15 +107,21 @@ int render(const std::string& path, const Options& options) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc < 2) throw mlt::fault("film_hash", "expected: film_hash SCENE option=value...");
     mlt::Options options;
-    for (int i = 2; i < argc; ++i) {
+    std::string scene;
+    for (int i = 1; i < argc; ++i) {
       const std::string_view argument = argv[i];
       const std::size_t equals = argument.find('=');
-      if (equals == std::string_view::npos) throw mlt::fault(argument, "expected option=value");
-      mlt::set_option(options, argument.substr(0, equals), argument.substr(equals + 1));
+      if (equals != std::string_view::npos) {
+        mlt::set_option(options, argument.substr(0, equals), argument.substr(equals + 1));
+      } else if (scene.empty()) {
+        scene = argument;
+      } else {
+        throw mlt::fault(argument, "a second scene; expected option=value");
+      }
     }
-    return mlt::render(argv[1], options);
+    if (scene.empty()) throw mlt::fault("film_hash", "expected: film_hash SCENE option=value...");
+    return mlt::render(scene, options);
   } catch (const mlt::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return static_cast<int>(mlt::ExitCode::kBadInput);
