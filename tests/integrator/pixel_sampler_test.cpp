@@ -205,6 +205,47 @@ TEST_CASE("a pixel's samples are uncorrelated between pairs of dimensions and be
   }
 }
 
+/// How many of the samples lie in the lower half of two dimensions.
+std::uint32_t lower_quadrant(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i].x < 0.5f && b[i].x < 0.5f ? 1U : 0U;
+  return count;
+}
+
+/// Frequencies of counts against a binomial distribution with probability 1/2.
+double binomial_p_value(const std::vector<std::uint64_t>& observed) {
+  const double trials = static_cast<double>(observed.size() - 1);
+  double total = 0;
+  for (const std::uint64_t count : observed) total += static_cast<double>(count);
+  std::vector<double> expected;
+  for (double k = 0; k <= trials; k += 1) {
+    const double log_ways = std::lgamma(trials + 1) - std::lgamma(k + 1) - std::lgamma(trials - k + 1);
+    expected.push_back(total * std::exp(log_ways - trials * std::log(2.0)));
+  }
+  return chi_square_test(observed, expected).p_value;
+}
+
+TEST_CASE("a pixel's samples are shuffled anew for each pair of dimensions and each pixel") {
+  // Samples 2j and 2j + 1 lie in different halves of every dimension, and a nested uniform shuffle decides
+  // for each such couple alone which is where: the number in the lower half of two dimensions is binomial.
+  // Without the shuffle all couples would decide alike, whatever the scrambles.
+  const double threshold = sidak_threshold(kSignificance, 2 * 4);
+  for (const std::uint32_t count : {2U, 4U, 16U, 64U}) {
+    PixelSampler sampler(count, 100, 100, count);
+    std::vector<std::uint64_t> dimensions(count / 2 + 1), pixels(count / 2 + 1);
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+      const std::uint32_t x = i % 80;
+      const std::uint32_t y = i / 80;
+      const std::vector<Vec2> first = pairs(sampler, x, y, count, 2);
+      ++dimensions[lower_quadrant(first, pairs(sampler, x, y, count, 4))];
+      ++pixels[lower_quadrant(first, pairs(sampler, x + 1, y, count, 2))];
+    }
+    INFO(count << " samples");
+    CHECK(binomial_p_value(dimensions) > threshold);
+    CHECK(binomial_p_value(pixels) > threshold);
+  }
+}
+
 TEST_CASE("a sample is a function of seed, pixel, index and dimension; skipping keeps later dimensions") {
   PixelSampler sampler(1, 50, 40, 16);
   sampler.start(7, 9, 3);
