@@ -50,7 +50,18 @@ objects   = $(patsubst %.cpp,$(OUT)/%.o,$(1))
 # Stage $(1) and all before it.
 upto      = $(if $(1),$(eval _found :=)$(foreach s,$(STAGES),$(if $(_found),,$(s)$(if $(filter $(1),$(s)),$(eval _found := 1)))))
 MAIN      := src/app/main.cpp
-stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s)))))
+stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s))))) \
+                $(if $(filter render,$(call upto,$(1))),$(KERNEL_SETS))
+
+# Instruction sets beyond the variant's own (include/render/kernel_set.hpp). Sanitizers and link-time
+# optimisation do not survive the relocatable link.
+EXTRA_SETS := $(if $(findstring x86_64,$(shell $(CXX) -dumpmachine)),$(if \
+  $(or $(findstring -fsanitize,$(EXTRA)),$(findstring -flto,$(EXTRA)),$(findstring -m,$(EXTRA))),,avx2))
+KERNEL_SETS := $(EXTRA_SETS:%=$(OUT)/kernel_set_%.o)
+SET_SOURCES := $(wildcard src/geometry/*.cpp src/world/*.cpp src/render/kernel*.cpp)
+SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
+# Symbols of binding "unique", an extension of g++, would stay global.
+SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
 .PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden repro proof memcheck asan \
         tsan tidy format-check clean
@@ -64,6 +75,21 @@ $(OUT)/mlt: $(call stage_objects,app) $(call objects,$(MAIN))
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 
+define KERNEL_SET
+$(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE) | deps
+	@mkdir -p $$(dir $$@)
+	$$(SAY) "  compile $$@"
+	$$(Q)$$(CXX) $$(CXXFLAGS) $$(SET_FLAGS) $$(SET_FLAGS_$(1)) -c $$< -o $$@
+
+$(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
+	$$(SAY) "  combine $$@"
+	$$(Q)ld -r --force-group-allocation $$^ -o $$@.all
+	$$(Q)objcopy --keep-global-symbol=mlt_kernel_set_$(1) $$@.all $$@
+	@rm $$@.all
+endef
+$(foreach s,$(EXTRA_SETS),$(eval $(call KERNEL_SET,$(s))))
+
+$(OUT)/src/render/instruction_set.o: CONTRACT += $(if $(filter avx2,$(EXTRA_SETS)),-DMLT_HAS_AVX2)
 $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) | deps
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
@@ -214,4 +240,4 @@ clean:
 
 .SECONDARY:
 .DELETE_ON_ERROR:
--include $(wildcard $(OUT)/src/*/*.d $(OUT)/tests/*/*.d $(OUT)/fault*/*.d)
+-include $(wildcard $(OUT)/src/*/*.d $(EXTRA_SETS:%=$(OUT)/%/*/*.d) $(OUT)/tests/*/*.d $(OUT)/fault*/*.d)

@@ -50,6 +50,7 @@ struct NamedKind {
 const std::vector<NamedKind>& integrator_kinds();
 const std::vector<NamedKind>& start_kinds();
 const std::vector<NamedKind>& mutation_kinds();
+const std::vector<NamedKind>& instruction_sets();
 std::vector<std::string> names_of(const std::vector<NamedKind>& kinds);
 
 /// Text of `mlt --help`, and of `mlt help COMMAND` or `mlt COMMAND --help`; at most 100 columns.

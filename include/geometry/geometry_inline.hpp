@@ -94,7 +94,7 @@ MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& 
 }
 
 template <bool kGeneral>
-inline Hit Geometry::intersect(const Ray& ray) const {
+[[gnu::noinline]] Hit Geometry::intersect(const Ray& ray) const {
   const RayFrame frame(ray, extent_);
   BestHit best(ray.t_max);
   if constexpr (kGeneral) {
@@ -108,7 +108,7 @@ inline Hit Geometry::intersect(const Ray& ray) const {
 }
 
 template <bool kGeneral>
-inline bool Geometry::occluded(const Ray& ray) const {
+[[gnu::noinline]] bool Geometry::occluded(const Ray& ray) const {
   const RayFrame frame(ray, extent_);
   const LaneFloat limit = broadcast(ray.t_max);
   if constexpr (kGeneral) {
@@ -120,7 +120,7 @@ inline bool Geometry::occluded(const Ray& ray) const {
 }
 
 template <bool kGeneral>
-inline SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
+[[gnu::noinline]] SurfacePoint Geometry::surface_point(const Ray& ray, const Hit& hit) const {
   const std::uint32_t block = (hit.slot & ~kSecondTriangle) / kLanes;
   const int lane = static_cast<int>(hit.slot % kLanes);
   if constexpr (kGeneral) {

@@ -7,11 +7,11 @@
 namespace mlt {
 
 /// bit, what it means in `mlt info` when present, and when absent.
-#define MLT_FEATURES(X)                                                                             \
+#define MLT_FEATURES(X)                                                                               \
   X(general_geometry, "triangles, spheres or a bounding volume hierarchy", "flat list of quads only") \
-  X(general_materials, "materials other than diffuse", "diffuse materials only")                     \
-  X(lobe_choice, "materials with several lobes", "no choice between lobes")                          \
-  X(many_lights, "several emitting primitives", "at most one emitting primitive")                    \
+  X(general_materials, "materials other than diffuse", "diffuse materials only")                      \
+  X(lobe_choice, "materials with several lobes", "no choice between lobes")                           \
+  X(many_lights, "several emitting primitives", "at most one emitting primitive")                     \
   X(roulette, "Russian roulette", "no Russian roulette")
 
 enum class FeatureBit : std::uint32_t {
@@ -23,9 +23,14 @@ enum class FeatureBit : std::uint32_t {
 
 using FeatureMask = std::uint32_t;
 
-constexpr FeatureMask feature(FeatureBit bit) { return FeatureMask{1} << static_cast<std::uint32_t>(bit); }
-constexpr bool has(FeatureMask mask, FeatureBit bit) { return (mask & feature(bit)) != 0; }
-inline constexpr FeatureMask kFeatureMaskCount = FeatureMask{1} << static_cast<std::uint32_t>(FeatureBit::count);
+constexpr FeatureMask feature(FeatureBit bit) {
+  return FeatureMask{1} << static_cast<std::uint32_t>(bit);
+}
+constexpr bool has(FeatureMask mask, FeatureBit bit) {
+  return (mask & feature(bit)) != 0;
+}
+inline constexpr FeatureMask kFeatureMaskCount = FeatureMask{1}
+                                                 << static_cast<std::uint32_t>(FeatureBit::count);
 
 /// A choice between lobes exists only among materials other than diffuse.
 constexpr bool is_consistent(FeatureMask mask) {

@@ -1,6 +1,7 @@
 // The film's hash: SHA-256 over everything that determines the image, as little-endian numbers: a format
 // word, width, height, then
-//   pssmlt: mutations, fraction bits, the bits of b and of the weights' b as doubles, and the six int64 sums of
+//   pssmlt: mutations, fraction bits, the bits of b and of the weights' b as doubles, and the six int64 sums
+//   of
 //           each pixel in row order;
 //   path:   samples a pixel, and the three double sums of each pixel in row order.
 // Equal hashes mean equal images to the last bit, and equal brightness estimates.

@@ -8,13 +8,14 @@
 #include <optional>
 
 #include "markov/mutation.hpp"
+#include "render/instruction_set.hpp"
 #include "scene/description.hpp"
 
 namespace mlt {
 
 /// name, one-line description for the help text.
-#define MLT_INTEGRATOR_KINDS(X)                                                            \
-  X(path, "path tracing with next-event estimation and multiple importance sampling")      \
+#define MLT_INTEGRATOR_KINDS(X)                                                       \
+  X(path, "path tracing with next-event estimation and multiple importance sampling") \
   X(pssmlt, "primary-sample-space Metropolis light transport over the path tracer [Kelemen02]")
 
 enum class IntegratorKind : std::uint8_t {
@@ -23,8 +24,8 @@ enum class IntegratorKind : std::uint8_t {
 #undef MLT_ENUMERATE
 };
 
-#define MLT_START_KINDS(X)                                                                     \
-  X(resampled, "every chain starts from a bootstrap path drawn in proportion to luminance")    \
+#define MLT_START_KINDS(X)                                                                  \
+  X(resampled, "every chain starts from a bootstrap path drawn in proportion to luminance") \
   X(first_hit, "every chain starts from the first path found that carries light")
 
 enum class StartKind : std::uint8_t {
@@ -37,25 +38,26 @@ inline constexpr std::uint64_t kMaxMutations = std::uint64_t{1} << 31;  ///< of 
 inline constexpr std::uint64_t kMaxSamplesPerPixel = std::uint64_t{1} << 30;
 inline constexpr std::uint32_t kMaxChains = 1U << 20;
 inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< paths
-inline constexpr std::uint32_t kMaxDepth = 256;      ///< path edges
+inline constexpr std::uint32_t kMaxDepth = 256;                         ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
-inline constexpr std::uint32_t kMaxFilmSide = 65536; ///< pixels
-inline constexpr std::uint32_t kDefaultDepth = 8;    ///< path edges
+inline constexpr std::uint32_t kMaxFilmSide = 65536;  ///< pixels
+inline constexpr std::uint32_t kDefaultDepth = 8;     ///< path edges
 
 struct RenderRequest {
   IntegratorKind integrator = IntegratorKind::pssmlt;
-  std::optional<std::uint32_t> width, height;         ///< pixels, 1 to kMaxFilmSide
-  std::optional<std::uint64_t> samples_per_pixel;     ///< path: samples; pssmlt: mutations; >= 1
-  std::optional<std::uint32_t> depth;                 ///< path edges from camera to light, 1 to kMaxDepth
-  std::optional<std::uint32_t> threads;               ///< 1 to kMaxThreads; default: the machine's cores
+  std::optional<std::uint32_t> width, height;      ///< pixels, 1 to kMaxFilmSide
+  std::optional<std::uint64_t> samples_per_pixel;  ///< path: samples; pssmlt: mutations; >= 1
+  std::optional<std::uint32_t> depth;              ///< path edges from camera to light, 1 to kMaxDepth
+  std::optional<std::uint32_t> threads;            ///< 1 to kMaxThreads; default: the machine's cores
   std::uint64_t seed = 0;
-  std::optional<std::uint32_t> chains;                ///< pssmlt
-  std::optional<std::uint64_t> bootstrap;             ///< pssmlt: bootstrap paths
-  float large_step = 0.2f;                            ///< pssmlt: probability in [0,1]
-  StartKind start = StartKind::resampled;             ///< pssmlt
-  MutationKind mutation = MutationKind::kelemen;      ///< pssmlt: kind of small step
-  std::optional<std::uint32_t> roulette;              ///< first path edge with Russian roulette; 0 switches it off
-  std::size_t memory_limit = std::size_t{4} << 30;    ///< bytes
+  std::optional<std::uint32_t> chains;            ///< pssmlt
+  std::optional<std::uint64_t> bootstrap;         ///< pssmlt: bootstrap paths
+  float large_step = 0.2f;                        ///< pssmlt: probability in [0,1]
+  StartKind start = StartKind::resampled;         ///< pssmlt
+  MutationKind mutation = MutationKind::kelemen;  ///< pssmlt: kind of small step
+  std::optional<std::uint32_t> roulette;  ///< first path edge with Russian roulette; 0 switches it off
+  std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes
+  std::optional<InstructionSet> instruction_set;    ///< default: the best that the processor has
 };
 
 struct RenderJob {
@@ -63,7 +65,8 @@ struct RenderJob {
   std::uint32_t width = 0, height = 0;
   std::uint64_t samples_per_pixel = 0;
   std::uint32_t depth = 0;
-  std::uint32_t threads = 0;  ///< the only field without influence on the image
+  std::uint32_t threads = 0;                              ///< without influence on the image
+  InstructionSet instruction_set = InstructionSet::base;  ///< without influence on the image
   std::uint64_t seed = 0;
   std::uint32_t chains = 0;
   std::uint64_t bootstrap = 0;

@@ -43,7 +43,7 @@ struct RenderStorage {
   std::span<BootstrapChunk> bootstrap;
   std::span<ChainStatistics> chains;
   LuminanceMoments bootstrap_moments;
-  std::uint64_t mutations = 0;      ///< of all chains
+  std::uint64_t mutations = 0;  ///< of all chains
   std::uint32_t fraction_bits = 0;
 
   // Path tracer
@@ -59,7 +59,9 @@ constexpr std::uint64_t chain_length(std::uint64_t mutations, std::uint64_t chai
   return mutations / chains + (index < mutations % chains ? 1 : 0);
 }
 
-constexpr std::uint32_t tile_count(std::uint32_t side) { return (side + kTileSide - 1) / kTileSide; }
+constexpr std::uint32_t tile_count(std::uint32_t side) {
+  return (side + kTileSide - 1) / kTileSide;
+}
 
 /// One unit each, for a RenderStorage as context.
 struct Kernel {

@@ -16,9 +16,9 @@
 namespace mlt {
 
 struct RenderProgress {
-  std::uint64_t done = 0;   ///< samples or mutations
+  std::uint64_t done = 0;  ///< samples or mutations
   std::uint64_t total = 0;
-  double seconds = 0;       ///< since run() began
+  double seconds = 0;  ///< since run() began
 };
 
 /// Called about four times a second from the thread that called run(), between render begin and render end:
@@ -28,20 +28,20 @@ using ProgressCallback = void (*)(const RenderProgress& progress, void* context)
 struct RenderStatistics {
   double wall_seconds = 0;
   double cpu_seconds = 0;
-  std::uint64_t samples = 0;              ///< paths evaluated, bootstrap included
-  std::uint64_t mutations = 0;            ///< pssmlt
-  double b = 0;                           ///< mean luminance of the image, from bootstrap and large steps
+  std::uint64_t samples = 0;    ///< paths evaluated, bootstrap included
+  std::uint64_t mutations = 0;  ///< pssmlt
+  double b = 0;                 ///< mean luminance of the image, from bootstrap and large steps
   double b_standard_error = 0;
-  double acceptance_large = 0;            ///< mean acceptance probability
+  double acceptance_large = 0;  ///< mean acceptance probability
   double acceptance_small = 0;
   std::uint64_t longest_rejection_run = 0;
-  std::uint64_t rejected_nan = 0;         ///< contributions by kind of defect
+  std::uint64_t rejected_nan = 0;  ///< contributions by kind of defect
   std::uint64_t rejected_infinite = 0;
   std::uint64_t rejected_negative = 0;
-  std::uint64_t minor_faults = 0;         ///< page faults between render begin and render end, all threads
-  bool partial = false;                   ///< stopped before the end
-  bool black = false;                     ///< no path carried light
-  std::string film_hash;                  ///< 64 hexadecimal digits, SHA-256
+  std::uint64_t minor_faults = 0;  ///< page faults between render begin and render end, all threads
+  bool partial = false;            ///< stopped before the end
+  bool black = false;              ///< no path carried light
+  std::string film_hash;           ///< 64 hexadecimal digits, SHA-256
 
   std::uint64_t rejected_non_finite() const { return rejected_nan + rejected_infinite + rejected_negative; }
 };

@@ -19,8 +19,8 @@ namespace mlt {
 
 /// What a primitive index stands for.
 struct PrimitiveRecord {
-  std::uint32_t material = 0;     ///< index into World::materials
-  std::uint32_t light = kNoLight; ///< index into the light table
+  std::uint32_t material = 0;      ///< index into World::materials
+  std::uint32_t light = kNoLight;  ///< index into the light table
 };
 
 /// Where on the film a path starts: the pixel, and the position within it in [0,1).
@@ -66,8 +66,8 @@ struct World {
 struct WorldCounts {
   GeometryCounts geometry;
   std::uint32_t materials = 0;
-  std::uint32_t lights = 0;              ///< emitting primitives
-  std::uint32_t used_kinds[8] = {};      ///< primitives per MaterialKind, indexed by the enum
+  std::uint32_t lights = 0;          ///< emitting primitives
+  std::uint32_t used_kinds[8] = {};  ///< primitives per MaterialKind, indexed by the enum
   std::uint32_t multi_lobe_primitives = 0;
 };
 

@@ -142,6 +142,10 @@ class RequestReader {
     choose("--start", start_kinds(), request.start);
     choose("--mutation", mutation_kinds(), request.mutation);
     roulette(request.roulette);
+    if (words_.has("--isa")) {
+      request.instruction_set = best_instruction_set();
+      choose("--isa", instruction_sets(), *request.instruction_set);
+    }
     if (words_.has("--memory")) {
       request.memory_limit =
           parse_bytes("--memory", words_.get("--memory"), diagnostics_).value_or(request.memory_limit);

@@ -89,6 +89,10 @@ void add_job_options(std::vector<OptionSpec>& table) {
       fmt::format("first path edge that Russian roulette may end, 1 to {}, or off", kMaxDepth));
   add("--threads", "N",
       fmt::format("1 to {}, without influence on the image; default: the machine's cores", kMaxThreads));
+  add("--isa", "NAME",
+      fmt::format("instruction set of the inner loops, without influence on the image: {}. Default: the best "
+                  "that the processor has",
+                  list_of(instruction_sets())));
   add("--memory", "SIZE",
       fmt::format(
           "limit of the render's fixed memory in bytes, with K, M, G or T for powers of 1024; default {}",
@@ -147,6 +151,11 @@ const std::vector<NamedKind>& integrator_kinds() {
 
 const std::vector<NamedKind>& start_kinds() {
   static const std::vector<NamedKind> kinds{MLT_START_KINDS(MLT_KIND)};
+  return kinds;
+}
+
+const std::vector<NamedKind>& instruction_sets() {
+  static const std::vector<NamedKind> kinds{MLT_INSTRUCTION_SETS(MLT_KIND)};
   return kinds;
 }
 

@@ -12,7 +12,9 @@ static_assert(std::endian::native == std::endian::little, "the hash is defined o
 constexpr std::uint64_t kMetropolisFormat = 0x31746c6d74656dULL;  // "metmlt1"
 constexpr std::uint64_t kPathFormat = 0x31746c6d687470ULL;        // "pthmlt1"
 
-void update(Sha256& hash, std::uint64_t word) { hash.update(&word, sizeof word); }
+void update(Sha256& hash, std::uint64_t word) {
+  hash.update(&word, sizeof word);
+}
 
 Sha256 begin(std::uint64_t format, const RenderStorage& storage) {
   Sha256 hash;

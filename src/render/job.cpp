@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint64_t kDefaultSamplesPerPixel = 64;
 constexpr std::uint64_t kDefaultMutationsPerPixel = 100;
 constexpr std::uint32_t kDefaultChains = 256;
-constexpr std::uint64_t kMinDefaultChainLength = 256;     ///< mutations
-constexpr std::uint64_t kMinDefaultBootstrap = 16384;     ///< paths
-constexpr std::uint64_t kBootstrapShare = 10;             ///< a tenth of the mutations
+constexpr std::uint64_t kMinDefaultChainLength = 256;  ///< mutations
+constexpr std::uint64_t kMinDefaultBootstrap = 16384;  ///< paths
+constexpr std::uint64_t kBootstrapShare = 10;          ///< a tenth of the mutations
 constexpr std::uint32_t kDefaultRouletteEdge = 8;
 
 /// Collects what is wrong with a request, so that all of it is reported at once.
@@ -72,9 +72,8 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
       std::uint64_t{1}, kMaxSamplesPerPixel);
   job.depth =
       checker.in_range("--depth", request.depth.value_or(scene.depth.value_or(kDefaultDepth)), 1U, kMaxDepth);
-  job.threads =
-      checker.in_range("--threads", request.threads.value_or(std::min(available_threads(), kMaxThreads)), 1U,
-                       kMaxThreads);
+  job.threads = checker.in_range(
+      "--threads", request.threads.value_or(std::min(available_threads(), kMaxThreads)), 1U, kMaxThreads);
   job.seed = request.seed;
   checker.check(request.large_step >= 0.0f && request.large_step <= 1.0f, "--large-step",
                 std::to_string(request.large_step), "0 to 1");
@@ -82,9 +81,13 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   job.start = request.start;
   job.mutation = request.mutation;
   // Roulette that could only start behind the longest path would waste a primary sample a vertex.
-  job.roulette = checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
+  job.roulette =
+      checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
   if (job.roulette >= job.depth) job.roulette = 0;
   job.memory_limit = request.memory_limit;
+  job.instruction_set = request.instruction_set.value_or(best_instruction_set());
+  checker.check(is_supported(job.instruction_set), "--isa",
+                "a set that this processor or binary does not have", "base, or nothing");
   checker.finish();
 
   if (metropolis) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "render/kernel_set.hpp"
 #include "render/scene_info.hpp"
 
 namespace mlt {
@@ -26,8 +27,8 @@ std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
     job.height = std::max(1U, job.height / 2);
     least = JobPlan(counts, job).memory.total_bytes();
     if (least <= job.memory_limit) {
-      return fmt::format("; --width {} --height {} --threads 1 would fit with {} bytes", job.width, job.height,
-                         least);
+      return fmt::format("; --width {} --height {} --threads 1 would fit with {} bytes", job.width,
+                         job.height, least);
     }
   }
   least = JobPlan(counts, job).memory.total_bytes();
@@ -39,13 +40,12 @@ std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
 JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
     : job(render_job),
       features(find_features(counts, render_job)),
-      kernel(select_kernel(features, render_job.mutation)),
+      kernel(kernel_set(render_job.instruction_set).select_kernel(features, render_job.mutation)),
       sample_capacity(kernel.primary_sample_capacity(render_job.depth)) {
-  const std::uint64_t units = is_metropolis()
-                                  ? std::uint64_t{job.chains}
-                                  : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
+  const std::uint64_t units = is_metropolis() ? std::uint64_t{job.chains}
+                                              : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
   workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
-  slots.world = plan_world(memory, counts);
+  slots.world = kernel_set(job.instruction_set).plan_world(memory, counts);
   slots.image = memory.add<Vec3>("image", Lifetime::kScene, pixel_count());
   slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
   slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
@@ -59,13 +59,13 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
 
 void JobPlan::plan_metropolis() {
   const std::size_t samples = std::size_t{workers} * sample_capacity;
-  slots.bootstrap = memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender,
-                                               bootstrap_chunk_count(job.bootstrap));
+  slots.bootstrap =
+      memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender, bootstrap_chunk_count(job.bootstrap));
   slots.chains = memory.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
   slots.samples = memory.add<PrimarySample>("primary samples", Lifetime::kRender, samples);
   slots.saved = memory.add<SavedSample>("saved primary samples", Lifetime::kRender, samples);
-  slots.splats =
-      memory.add<Splat>("splats, two states", Lifetime::kRender, std::size_t{workers} * 2 * kernel.max_splats);
+  slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
+                                   std::size_t{workers} * 2 * kernel.max_splats);
   slots.films = memory.add<FilmPixel>("films, one a worker", Lifetime::kRender, workers * pixel_count());
 }
 
@@ -77,8 +77,8 @@ void JobPlan::plan_path() {
 
 void JobPlan::require_within_limit(const WorldCounts& counts) const {
   if (memory.total_bytes() <= job.memory_limit) return;
-  throw ResourceError(fmt::format("--memory: the job needs {} bytes and {} are allowed{}", memory.total_bytes(),
-                                  job.memory_limit, what_would_fit(counts, job)));
+  throw ResourceError(fmt::format("--memory: the job needs {} bytes and {} are allowed{}",
+                                  memory.total_bytes(), job.memory_limit, what_would_fit(counts, job)));
 }
 
 void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {

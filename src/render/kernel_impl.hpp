@@ -12,8 +12,8 @@ void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chun
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
   Contribution contribution(storage.workers[worker].chain.proposed);
   replay_context().unit = chunk;
-  storage.bootstrap[chunk] = evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk,
-                                                      storage.job.bootstrap, contribution);
+  storage.bootstrap[chunk] =
+      evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution);
 }
 
 template <FeatureMask kFeatures>
@@ -42,7 +42,8 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   settings.mutations = chain_length(storage.mutations, storage.job.chains, index);
   settings.large_step = storage.job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
-  Chain<Mutation<kMutation>, PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain, film);
+  Chain<Mutation<kMutation>, PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain,
+                                                                         film);
   storage.chains[index] = chain.run(start);
   storage.done.fetch_add(settings.mutations, std::memory_order_relaxed);
 }
@@ -101,9 +102,9 @@ Kernel make_kernel(MutationKind mutation) {
   kernel.bootstrap_chunk = &run_bootstrap_chunk<kFeatures>;
   kernel.tile = &run_tile<kFeatures>;
   switch (mutation) {
-#define MLT_CASE(name, help)                                       \
-  case MutationKind::name:                                         \
-    kernel.chain = &run_chain<kFeatures, MutationKind::name>;      \
+#define MLT_CASE(name, help)                                  \
+  case MutationKind::name:                                    \
+    kernel.chain = &run_chain<kFeatures, MutationKind::name>; \
     break;
     MLT_MUTATION_KINDS(MLT_CASE)
 #undef MLT_CASE

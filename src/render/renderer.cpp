@@ -9,6 +9,7 @@
 #include "job_plan.hpp"
 #include "render/film_hash.hpp"
 #include "render/kernel.hpp"
+#include "render/kernel_set.hpp"
 #include "render/scene_info.hpp"
 #include "render/worker_pool.hpp"
 #include "world/world.hpp"
@@ -18,7 +19,9 @@ namespace {
 
 constexpr std::uint64_t kPixelsPerSumUnit = 4096;
 
-std::uint64_t divide_up(std::uint64_t value, std::uint64_t unit) { return (value + unit - 1) / unit; }
+std::uint64_t divide_up(std::uint64_t value, std::uint64_t unit) {
+  return (value + unit - 1) / unit;
+}
 
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
@@ -104,8 +107,8 @@ void Renderer::State::render_metropolis() {
   const std::uint64_t chunks = storage.bootstrap.size();
   const std::uint64_t chunks_run = run_phase("bootstrap", plan.kernel.bootstrap_chunk, chunks, true);
   statistics.partial = chunks_run < chunks;
-  storage.bootstrap_moments = accumulate_bootstrap(
-      storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
+  storage.bootstrap_moments =
+      accumulate_bootstrap(storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
   for (const BootstrapChunk& chunk : storage.bootstrap) add_defects(statistics, chunk.defects);
 
   std::uint64_t finished_chains = 0;
@@ -140,12 +143,12 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
   LuminanceMoments moments = storage.bootstrap_moments;
   moments.add(total.large_steps);
   // The weights' b was rounded to float for the chains; the same number must develop their film.
-  normalisation = FilmNormalisation{
-      moments.mean(), static_cast<double>(static_cast<float>(storage.bootstrap_moments.mean())),
-      total.mutations, storage.fraction_bits};
+  normalisation = FilmNormalisation{moments.mean(),
+                                    static_cast<double>(static_cast<float>(storage.bootstrap_moments.mean())),
+                                    total.mutations, storage.fraction_bits};
   DevelopContext context{storage, normalisation};
-  pool.run(Phase{"develop", &develop_unit, &context, divide_up(plan.pixel_count(), kPixelsPerSumUnit), false}, *stop,
-           nullptr, nullptr);
+  pool.run(Phase{"develop", &develop_unit, &context, divide_up(plan.pixel_count(), kPixelsPerSumUnit), false},
+           *stop, nullptr, nullptr);
 
   const std::uint64_t large_steps = total.large_steps.count;
   statistics.samples = storage.bootstrap_moments.count + total.mutations;
@@ -184,7 +187,9 @@ Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)
 
 Renderer::~Renderer() = default;
 
-const MemoryPlan& Renderer::memory_plan() const { return state_->plan.memory; }
+const MemoryPlan& Renderer::memory_plan() const {
+  return state_->plan.memory;
+}
 
 std::vector<InfoLine> Renderer::info() const {
   const JobPlan& plan = state_->plan;
@@ -195,8 +200,9 @@ void Renderer::prepare() {
   State& state = *state_;
   const JobPlan& plan = state.plan;
   state.arena = std::make_unique<Arena>(plan.memory);
-  state.world = compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
-                              plan.slots.world);
+  state.world = kernel_set(plan.job.instruction_set)
+                    .compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
+                                   plan.slots.world);
   state.storage.world = &state.world;
   plan.take_storage(*state.arena, state.storage);
   prefault_process();

@@ -5,15 +5,26 @@
 namespace mlt {
 namespace {
 
+const char* instruction_set_name(InstructionSet set) {
+  switch (set) {
+#define MLT_CASE(name, help) \
+  case InstructionSet::name: \
+    return #name;
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
+  }
+  return "";
+}
+
 std::string list_materials(const WorldCounts& counts, bool used) {
   std::string text;
-#define MLT_APPEND(name)                                                           \
-  {                                                                                \
+#define MLT_APPEND(name)                                                                              \
+  {                                                                                                   \
     const std::uint32_t primitives = counts.used_kinds[static_cast<std::size_t>(MaterialKind::name)]; \
-    if ((primitives > 0) == used) {                                                \
-      text += (text.empty() ? "" : ", ") + std::string(#name);                     \
-      if (used) text += fmt::format(" ({} primitives)", primitives);               \
-    }                                                                              \
+    if ((primitives > 0) == used) {                                                                   \
+      text += (text.empty() ? "" : ", ") + std::string(#name);                                        \
+      if (used) text += fmt::format(" ({} primitives)", primitives);                                  \
+    }                                                                                                 \
   }
   MLT_MATERIAL_KINDS(MLT_APPEND)
 #undef MLT_APPEND
@@ -22,8 +33,8 @@ std::string list_materials(const WorldCounts& counts, bool used) {
 
 std::string list_features(FeatureMask features, bool present_side) {
   std::string text;
-#define MLT_APPEND(name, present, absent)                             \
-  if (has(features, FeatureBit::name) == present_side) {              \
+#define MLT_APPEND(name, present, absent)                                              \
+  if (has(features, FeatureBit::name) == present_side) {                               \
     text += (text.empty() ? "" : "; ") + std::string(present_side ? present : absent); \
   }
   MLT_FEATURES(MLT_APPEND)
@@ -34,11 +45,13 @@ std::string list_features(FeatureMask features, bool present_side) {
 }  // namespace
 
 FeatureMask find_features(const WorldCounts& counts, const RenderJob& job) {
-  const auto used = [&counts](MaterialKind kind) { return counts.used_kinds[static_cast<std::size_t>(kind)] > 0; };
+  const auto used = [&counts](MaterialKind kind) {
+    return counts.used_kinds[static_cast<std::size_t>(kind)] > 0;
+  };
   const auto bit = [](FeatureBit which, bool present) { return present ? feature(which) : FeatureMask{0}; };
   return bit(FeatureBit::general_geometry, Geometry::is_general(counts.geometry)) |
-         bit(FeatureBit::general_materials, used(MaterialKind::mirror) || used(MaterialKind::dielectric) ||
-                                                used(MaterialKind::conductor)) |
+         bit(FeatureBit::general_materials,
+             used(MaterialKind::mirror) || used(MaterialKind::dielectric) || used(MaterialKind::conductor)) |
          bit(FeatureBit::lobe_choice, used(MaterialKind::dielectric)) |
          bit(FeatureBit::many_lights, counts.lights > 1) | bit(FeatureBit::roulette, job.roulette > 0);
 }
@@ -59,7 +72,8 @@ std::vector<InfoLine> describe_scene(const SceneDescription& scene, const WorldC
   lines.push_back({"materials skipped", list_materials(counts, false)});
   lines.push_back({"features found", list_features(features, true)});
   lines.push_back({"features skipped", list_features(features, false)});
-  lines.push_back({"kernel", fmt::format("feature mask {:#x}", features)});
+  lines.push_back({"kernel", fmt::format("feature mask {:#x}, instruction set {}", features,
+                                         instruction_set_name(job.instruction_set))});
   lines.push_back({"primary samples", fmt::format("at most {} a path", primary_samples)});
   if (job.integrator == IntegratorKind::pssmlt) {
     lines.push_back({"chains", fmt::format("{}", job.chains)});

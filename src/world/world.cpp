@@ -120,8 +120,7 @@ class ShapeCompiler {
     const Quad quad{a, b, c, placement.point(polygon.corners[3])};
     const std::uint32_t index = quad_count_++;
     quads_[index] = quad;
-    record(index, polygon.attributes,
-           [&](const Vec3& radiance) { return make_quad_light(quad, radiance); });
+    record(index, polygon.attributes, [&](const Vec3& radiance) { return make_quad_light(quad, radiance); });
   }
 
   void add_mesh(const MeshDescription& mesh, const Placement& placement) {
@@ -194,7 +193,8 @@ WorldSlots plan_world(MemoryPlan& plan, const WorldCounts& counts) {
   slots.quads = plan.add<Quad>("quads, input of the build", Lifetime::kScratch, counts.geometry.quads);
   slots.triangles =
       plan.add<Triangle>("triangles, input of the build", Lifetime::kScratch, counts.geometry.triangles);
-  slots.spheres = plan.add<Sphere>("spheres, input of the build", Lifetime::kScratch, counts.geometry.spheres);
+  slots.spheres =
+      plan.add<Sphere>("spheres, input of the build", Lifetime::kScratch, counts.geometry.spheres);
   slots.geometry = Geometry::plan(plan, counts.geometry);
   slots.materials = plan.add<Material>("materials", Lifetime::kScene, counts.materials);
   slots.primitives = plan.add<PrimitiveRecord>("primitive records", Lifetime::kScene, primitives);

@@ -50,6 +50,7 @@ std::size_t choice(std::string_view option, std::string_view text, const std::st
 constexpr std::string_view kIntegrators[] = {MLT_INTEGRATOR_KINDS(MLT_NAME)};
 constexpr std::string_view kStarts[] = {MLT_START_KINDS(MLT_NAME)};
 constexpr std::string_view kMutations[] = {MLT_MUTATION_KINDS(MLT_NAME)};
+constexpr std::string_view kInstructionSets[] = {MLT_INSTRUCTION_SETS(MLT_NAME)};
 #undef MLT_NAME
 
 void set_option(Options& options, std::string_view name, std::string_view value) {
@@ -60,6 +61,8 @@ void set_option(Options& options, std::string_view name, std::string_view value)
     request.start = static_cast<StartKind>(choice(name, value, kStarts));
   } else if (name == "mutation") {
     request.mutation = static_cast<MutationKind>(choice(name, value, kMutations));
+  } else if (name == "isa") {
+    request.instruction_set = static_cast<InstructionSet>(choice(name, value, kInstructionSets));
   } else if (name == "width") {
     request.width = number<std::uint32_t>(name, value);
   } else if (name == "height") {
