@@ -118,6 +118,7 @@ inline DSinCos sincos_degrees(double degrees) {
 /// is infinity with the sign of the sine. NaN for infinity and NaN.
 inline double tan_degrees(double degrees) {
   const DSinCos angle = sincos_degrees(degrees);
+  if (angle.cos == 0.0) return std::copysign(std::numeric_limits<double>::infinity(), angle.sin);
   return angle.sin / angle.cos;
 }
 
