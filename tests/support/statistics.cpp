@@ -238,7 +238,7 @@ Grid2D direction_grid(std::size_t azimuth_cells, std::size_t cos_cells, double c
 
 namespace {
 
-// Positive abscissae and weights of the 8 point Gauss-Legendre rule on [-1,1] [DLMF 3.5.17].
+// Positive abscissae and weights of the 8 point Gauss-Legendre rule on [-1,1] [Abramowitz64, table 25.4].
 constexpr double kNodes[4] = {0.1834346424956498049394761, 0.5255324099163289858177390,
                               0.7966664774136267395915539, 0.9602898564975362316835609};
 constexpr double kWeights[4] = {0.3626837833783619829651504, 0.3137066458778872873379622,

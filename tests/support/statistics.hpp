@@ -18,7 +18,7 @@ namespace mlt::test {
 
 // ---- Distributions ------------------------------------------------------------------------------------
 
-/// Regularised upper incomplete gamma function Q(a, x), a > 0, x >= 0; relative error below 1e-12 for
+/// Regularised upper incomplete gamma function Q(a, x), a > 0, x >= 0; relative error below 1e-10 for
 /// a <= 1e4 [DLMF 8.11.4, 8.9.2].
 double upper_gamma_q(double a, double x);
 
@@ -70,7 +70,7 @@ struct KolmogorovResult {
 };
 
 /// Are the values, e.g. p-values of many tests, uniform on [0,1]? Uses the asymptotic distribution with
-/// Stephens' correction for finite counts, good to about 1 % of p from 5 values on [Stephens70].
+/// Stephens' correction for finite counts, good to about 2 % of p from 5 values on [Stephens70].
 KolmogorovResult ks_uniform_test(std::span<const double> values);
 
 // ---- Chi-square -----------------------------------------------------------------------------------------
