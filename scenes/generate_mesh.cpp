@@ -128,13 +128,13 @@ constexpr char kScene[] =
 # scenes/generate_mesh.cpp together with mesh.ply; lengths are in metres.
 film 512 512
 depth 8
-camera eye 0 2.6 4.6 target 0 0.62 0 up 0 1 0 fov 36
+camera eye 0 2.6 4.6 target 0 0.85 0 up 0 1 0 fov 46
 
 material plaster diffuse reflectance 0.75 0.74 0.7
 material blue diffuse reflectance 0.2 0.35 0.6
 material clay diffuse reflectance 0.68 0.36 0.2
 
-mesh mesh.ply material clay rotate -30 0 1 0 rotate 12 1 0 0 translate 0 0.9 0
+mesh mesh.ply material clay rotate -30 0 1 0 rotate 12 1 0 0 translate 0 1.1 0
 
 quad -2.4 0 -2.4  -2.4 0 2.4  2.4 0 2.4  2.4 0 -2.4  material plaster
 quad -2.4 0 -2.4  2.4 0 -2.4  2.4 3.6 -2.4  -2.4 3.6 -2.4  material plaster

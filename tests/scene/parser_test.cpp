@@ -85,6 +85,12 @@ TEST_CASE("Constants stand for one or more words, at the place of their use") {
 }
 
 TEST_CASE("Constants that multiply themselves are stopped by the limit on words") {
+  std::string half = "define half";
+  for (std::size_t i = 0; i < kMaxStatementTokens / 2; ++i) half += " 1";
+  // "define one $half" has 514 words, "define two $half $half" 1026.
+  const auto beyond = faults_of(scene_with(half + "\ndefine one $half\ndefine two $half $half\n"));
+  REQUIRE(beyond.size() == 1);
+  CHECK_THAT(beyond[0], Catch::StartsWith("test.txt:6:18: the statement has more than 1024 words"));
   std::string lines = "define a0 1 1 1 1 1 1 1 1\n";
   for (int i = 1; i < 40; ++i) {
     const std::string before = " $a" + std::to_string(i - 1);

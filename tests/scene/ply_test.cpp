@@ -162,6 +162,21 @@ TEST_CASE("PLY counts beyond the file's size are refused before memory is taken"
              Catch::Contains("'junk' 0: the file ends inside the element"));
 }
 
+TEST_CASE("PLY elements must fit the file together, and a skipped list must fit to its last byte") {
+  // 36 bytes hold three vertices or one face, and both counts fit alone, but not one after the other.
+  CHECK_THAT(fault(header("binary_little_endian", positions("3") + faces("30")) + kCorners),
+             Catch::StartsWith("m.ply:7:9: 30 elements 'face' are declared") &&
+                 Catch::Contains("only 0 bytes follow"));
+  // Two doubles are announced and 15 bytes follow.
+  const std::string junk = header("binary_little_endian",
+                                  "element vertex 0\nproperty float x\nproperty float y\n"
+                                  "property float z\nelement junk 1\n"
+                                  "property list uchar double j\n" +
+                                      faces("1"));
+  CHECK_THAT(fault(junk + raw<std::uint8_t>({2}) + std::string(15, '\0')),
+             Catch::Contains("'junk' 0: the file ends inside the element"));
+}
+
 TEST_CASE("PLY data that end early or are wrong are refused with the record's number") {
   const std::string list = raw<std::uint8_t>({3});
   CHECK_THAT(fault(kBinary + kCorners + list + raw<std::int32_t>({0, 1})),
