@@ -64,6 +64,7 @@ void require_within(const char* name, const WorstError& worst, double limit) {
   CHECK(worst.ulp <= limit);
 }
 
+// Ranges end where a function has become constant or undefined; what lies beyond is for the tests of edges.
 void check_accuracy(std::uint32_t stride) {
   require_within(
       "sin of sincos_2pi",
@@ -75,23 +76,22 @@ void check_accuracy(std::uint32_t stride) {
       1.18);
   require_within(
       "exp_f",
-      worst_error(-kMax, kMax, stride, exp_f, [](float x) { return std::exp(static_cast<double>(x)); }),
+      worst_error(-110.0f, 90.0f, stride, exp_f, [](float x) { return std::exp(static_cast<double>(x)); }),
       1.01);
   require_within(
       "exp2_f",
-      worst_error(-kMax, kMax, stride, exp2_f, [](float x) { return std::exp2(static_cast<double>(x)); }),
+      worst_error(-160.0f, 130.0f, stride, exp2_f, [](float x) { return std::exp2(static_cast<double>(x)); }),
       0.84);
   require_within(
       "log_f",
-      worst_error(-kMax, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }),
-      0.87);
+      worst_error(0.0f, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }), 0.87);
   require_within(
       "log2_f",
-      worst_error(-kMax, kMax, stride, log2_f, [](float x) { return std::log2(static_cast<double>(x)); }),
+      worst_error(0.0f, kMax, stride, log2_f, [](float x) { return std::log2(static_cast<double>(x)); }),
       0.501);
   require_within(
       "acos_f",
-      worst_error(-kMax, kMax, stride, acos_f, [](float x) { return std::acos(static_cast<double>(x)); }),
+      worst_error(-1.0f, 1.0f, stride, acos_f, [](float x) { return std::acos(static_cast<double>(x)); }),
       1.10);
   require_within("srgb_encode",
                  worst_error(0.0f, 1.0f, stride, srgb_encode,
