@@ -29,8 +29,8 @@ inline float ggx_stretched_length(float alpha, const Vec3& w) {
 }
 
 /// A microfacet normal seen from the unit direction wo (wo.z > 0) with density G1(wo) max(0, wo.h) D(h)/wo.z
-/// by solid angle: uniform on a spherical cap in the space where the facets form a hemisphere [Dupuy23
-/// listing 3]. Unit, with h.z > 0.
+/// by solid angle: uniform on a spherical cap in the space where the facets form a hemisphere [Dupuy23].
+/// Unit, with h.z > 0.
 inline Vec3 ggx_sample_visible_normal(float alpha, const Vec3& wo, const Vec2& u) {
   const Vec3 stretched = normalize(Vec3{alpha * wo.x, alpha * wo.y, wo.z});
   float sine = 0, cosine = 0;

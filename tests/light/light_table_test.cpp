@@ -85,6 +85,9 @@ TEST_CASE("the sampler's density holds the probability of the choice", "[light]"
     const LightSample alone = sample_one_light(light, reference, u);
     REQUIRE(sample.pdf_solid_angle == alone.pdf_solid_angle * light.choice_probability);
     REQUIRE(sample.position == alone.position);
+    // The offset moves the point by 1e-5 at most, which the density of an area at distance 2 follows.
+    REQUIRE(light_pdf_solid_angle(t.table, sample.light, reference, sample.position, sample.direction) ==
+            Approx(sample.pdf_solid_angle).epsilon(2e-5));
   }
 }
 

@@ -170,4 +170,23 @@ TEST_CASE("GGX masking is the share of visible facets", "[ggx]") {
   }
 }
 
+TEST_CASE("a white metal of roughness 1 seen straight on reflects 1 - ln 2", "[ggx]") {
+  // sin^2 of the facet's angle is v, uniform in [0,1); light leaves at twice that angle, with cosine 1 - 2v,
+  // if v < 1/2; G2/G1 is G1 = 2c/(1+c) there. The integral of (1-2v)/(1-v) over [0,1/2] is 1 - ln 2.
+  MaterialDescription description;
+  description.kind = MaterialKind::conductor;
+  description.roughness = 1;
+  description.eta = {0.001, 0.001, 0.001};
+  description.k = {100, 100, 100};
+  const Material material = compile_material(description);
+  Rng rng(13, StreamPurpose::kTest, 0);
+  std::vector<double> weights;
+  for (int i = 0; i < 50000; ++i) {
+    weights.push_back(sample_bsdf<false>(material, Vec3{0, 0, 1}, 0, random_pair(rng)).weight.x);
+  }
+  const Moments mean = moments(weights);
+  // 1e-5: at this index the Fresnel reflectance falls short of 1 by at most 1e-5 at the angles that occur.
+  CHECK(std::fabs(mean.mean - (1 - std::log(2.0))) < 4 * mean.standard_error() + 1e-5);
+}
+
 }  // namespace mlt::test
