@@ -101,8 +101,8 @@ LuminanceMoments accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uin
 /// The chunk in which `position` (in [0, total luminance)) falls; it has a positive sum.
 std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, double position);
 
-/// Systematic resampling over all chains: chain c of C takes position (c + u) / C of the total [Kelemen02
-/// section 3.1 starts from one such path; one stratum for each chain lowers the variance of the starts].
+/// Systematic resampling over all chains: chain c of C takes position (c + u) / C of the total
+/// ([Kelemen02] starts from one such path; one stratum for each chain lowers the variance of the starts).
 double seed_position(std::uint64_t seed, std::uint64_t chain, std::uint64_t chains, double total);
 
 /// Replays a chunk to find the path at `position`. The replay must reproduce the chunk's sum bit for bit.

@@ -14,7 +14,7 @@ namespace mlt {
 
 /// name, help text.
 #define MLT_MUTATION_KINDS(X)                                                      \
-  X(kelemen, "log-uniform step sizes from 1/1024 to 1/64 [Kelemen02 section 3.4]") \
+  X(kelemen, "log-uniform step sizes from 1/1024 to 1/64 [Kelemen02]") \
   X(gaussian, "normally distributed steps of standard deviation 1/128")
 
 enum class MutationKind : std::uint8_t {

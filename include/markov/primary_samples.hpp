@@ -1,4 +1,4 @@
-// The state of a Metropolis chain: a lazily mutated vector of primary samples [Kelemen02 section 3]. Each
+// The state of a Metropolis chain: a lazily mutated vector of primary samples [Kelemen02]. Each
 // sample carries the time of its last change; a small step brings a sample up to date only when a path asks
 // for it, one mutation for each accepted step that it missed, so that its distribution is the same as if it
 // had been mutated every time. Rejected proposals are undone from a stack of fixed capacity.

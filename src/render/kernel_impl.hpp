@@ -11,7 +11,6 @@ void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chun
   auto& storage = *static_cast<RenderStorage*>(context);
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
   Contribution contribution(storage.workers[worker].chain.proposed);
-  replay_context().unit = chunk;
   storage.bootstrap[chunk] =
       evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution);
 }
@@ -54,7 +53,9 @@ void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStora
                   PixelSampler& sampler, std::uint32_t x, std::uint32_t y, TileStatistics& statistics) {
   const std::uint32_t pixel = y * storage.job.width + x;
   PixelSum sum;
+  ReplayContext& context = replay_context();
   for (std::uint64_t i = 0; i < storage.job.samples_per_pixel; ++i) {
+    context.step = i;
     sampler.start(x, y, static_cast<std::uint32_t>(i));
     integrator.evaluate(sampler, [&](const Splat& splat) {
       MLT_CHECK_OP(splat.pixel, ==, pixel);
@@ -81,6 +82,7 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   const std::uint32_t first_y = static_cast<std::uint32_t>(tile / tiles_across) * kTileSide;
   const std::uint32_t last_x = first_x + kTileSide < job.width ? first_x + kTileSide : job.width;
   const std::uint32_t last_y = first_y + kTileSide < job.height ? first_y + kTileSide : job.height;
+  replay_context().seed = job.seed;
   replay_context().unit = tile;
   TileStatistics statistics;
   for (std::uint32_t y = first_y; y < last_y; ++y) {
