@@ -21,6 +21,12 @@ endif
 include tools/variants.mk
 
 CXX      ?= g++
+# The compiler is asked below what it builds for, so it must be there before the rules are read.
+ifeq ($(shell command -v $(firstword $(CXX)))$(filter clean,$(MAKECMDGOALS)),)
+ifneq ($(shell tools/install_deps.sh build '$(CXX)' >&2 || echo failed),)
+$(error $(CXX) is not installed)
+endif
+endif
 OPT      ?= -O2
 EXTRA    ?=
 LINK     ?=

@@ -29,19 +29,24 @@ jobs=("scenes/CornellBox.txt integrator=pssmlt width=32 height=32 spp=4 depth=5 
   "scenes/corridor.txt integrator=path width=48 height=48 spp=2 depth=8"
   "scenes/spheres.txt integrator=path width=48 height=48 spp=2 depth=8")
 
-# link_core FAULT: what is reachable from the roots, as one relocatable object. base/assert is left out: it
-# formats messages, and is reached only to end the process.
+# link_core FAULT [SET]: what is reachable from the roots, as one relocatable object, with the kernels of an
+# instruction set (Makefile, KERNEL_SETS). base/assert is left out: it formats messages, and is reached only
+# to end the process.
 link_core() {
+  local set=${2:-} own
   local pool=$out/src/render/worker_pool.o undefined=() objects=() object root
   for root in "${roots[@]}"; do undefined+=(-u "$root"); done
   for object in "$out"/src/{base,math,scene,geometry,material,light,world,integrator,markov,film,render}/*.o; do
     case $object in
       */base/assert.o | *\**) ;;
       "$pool") objects+=("$([ "$1" -eq 0 ] && echo "$pool" || echo "$out/fault$1/worker_pool.o")") ;;
-      *) objects+=("$object") ;;
+      *)
+        own=$out/$set/${object#"$out/src/"}
+        if [ -n "$set" ] && [ -e "$own" ]; then objects+=("$own"); else objects+=("$object"); fi
+        ;;
     esac
   done
-  ld -r --gc-sections "${undefined[@]}" "${objects[@]}" -o "$work/core$1.o"
+  ld -r --gc-sections "${undefined[@]}" "${objects[@]}" -o "$work/core$1$set.o"
 }
 
 # Symbols that the kept code refers to and does not define, without those that are allowed. The symbol table
@@ -123,16 +128,27 @@ heap_of_units() {  # heap_of_units BINARY FACTOR
 
 # ---- the render itself ----
 
-if link_core 0 2>"$work/errors"; then
-  expect_empty "(a) symbols: the render loop calls nothing outside itself but what is allowed" \
-    "$(foreign_symbols 0)"
-  expect_empty "(b) recursion: the calls of the render loop form no cycle" "$(recursive_functions 0)"
-  kept=$(nm "$work/core0.o" | grep -ciE ' [tw] ')
-  [ "$kept" -gt 100 ] && few= || few="only $kept functions are reachable from the roots: were they renamed?"
-  expect_empty "(a) symbols: the kernels are among what was looked at" "$few"
-else
-  fail "(a) symbols: the reachable code links" "$(cat "$work/errors")"
-fi
+# check_code SET: layers (a) and (b) for the kernels of one instruction set, the variant's own when empty.
+check_code() {
+  local set=$1 name=${1:-base} kept
+  if ! link_core 0 "$set" 2>"$work/errors"; then
+    fail "(a) symbols, $name: the reachable code links" "$(cat "$work/errors")"
+    return
+  fi
+  expect_empty "(a) symbols, $name: the render loop calls nothing outside itself but what is allowed" \
+    "$(foreign_symbols "0$set")"
+  expect_empty "(b) recursion, $name: the calls of the render loop form no cycle" \
+    "$(recursive_functions "0$set")"
+  kept=$(nm "$work/core0$set.o" | grep -ciE ' [tw] ')
+  expect_empty "(a) symbols, $name: the kernels are among what was looked at" \
+    "$([ "$kept" -gt 100 ] || echo "only $kept functions are reachable from the roots: were they renamed?")"
+}
+check_code ""
+for combined in "$out"/kernel_set_*.o; do
+  [ -e "$combined" ] || continue
+  set=${combined##*/kernel_set_}
+  check_code "${set%.o}"
+done
 for job in "${jobs[@]}"; do
   read -ra options <<<"$job"
   name=$(basename "${options[0]}" .txt)-${options[1]#integrator=}

@@ -81,6 +81,12 @@ expect_empty "different jobs and seeds have different hashes" "$(grep -F "${same
 for threads in 1 2 3 7 16 64; do
   cell "threads $threads" "$all" build/release/film_hash "threads=$threads"
 done
+# The kernels of each instruction set that a release build holds; without AVX2 both are the base.
+sets=(base)
+grep -qw avx2 /proc/cpuinfo && sets+=(avx2)
+for set in "${sets[@]}"; do
+  cell "kernels for $set" "$all" build/release/film_hash threads=3 "isa=$set"
+done
 for name in gcc-O0 gcc-O3 clang clang-O0 clang-O3 asan tsan; do variant "$name"; done
 cell "valgrind" "$small" valgrind --quiet --undef-value-errors=no build/release/film_hash threads=2
 
