@@ -54,8 +54,8 @@ struct MaterialDescription {
 
 /// A shape that emits has radiance in W/(m^2 sr) per channel, from its front side only.
 struct ShapeAttributes {
-  std::uint32_t material = 0;            ///< index into SceneDescription::materials
-  std::optional<DVec3> emission;         ///< radiance, each channel >= 0
+  std::uint32_t material = 0;     ///< index into SceneDescription::materials
+  std::optional<DVec3> emission;  ///< radiance, each channel >= 0
   SourceLocation location;
 };
 
@@ -84,8 +84,8 @@ struct MeshDescription {
 struct SceneDescription {
   std::string path;
   CameraDescription camera;
-  std::uint32_t film_width = 256;   ///< pixels
-  std::uint32_t film_height = 256;  ///< pixels
+  std::uint32_t film_width = 256;      ///< pixels
+  std::uint32_t film_height = 256;     ///< pixels
   std::optional<std::uint32_t> depth;  ///< maximal number of path edges, camera to light
   std::vector<MaterialDescription> materials;
   std::vector<PolygonDescription> polygons;
