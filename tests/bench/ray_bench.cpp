@@ -195,8 +195,9 @@ void compare_scenes() {
     measure<true>(*b, rays_b, m[2]);
     measure<true>(*c, rays_c, m[3]);
   }
-  std::printf("%d lanes, one thread, medians of 11 rounds of %zu to %zu rays; a dependent addition takes %.3f ns\n",
-              kLanes, rays_a.primary.size(), rays_a.bounce.size(), median(periods));
+  std::printf(
+      "%d lanes, one thread, medians of 11 rounds of %zu to %zu rays; a dependent addition takes %.3f ns\n",
+      kLanes, rays_a.primary.size(), rays_a.bounce.size(), median(periods));
   print("cornell, 18 quads, quads only", m[0]);
   print("cornell, 18 quads, general", m[1]);
   print("131k triangles in 6 quads", m[2]);
@@ -227,8 +228,9 @@ void find_crossovers() {
   for (const int count : {8, 12, 16, 24, 32, 48, 64, 96, 128}) {
     const float size = 1.2f / std::cbrt(static_cast<float>(count));
     compare_structures("quads", count, [size](Shapes& shapes, Rng& rng) {
-      shapes.quads.push_back(
-          quad(point_in_cube(rng), unit_direction(rng) * size, unit_direction(rng) * size));
+      const Vec3 a = point_in_cube(rng);
+      const Vec3 u = unit_direction(rng) * size;
+      shapes.quads.push_back(quad(a, u, unit_direction(rng) * size));
     });
     compare_structures("triangles", count, [size](Shapes& shapes, Rng& rng) {
       const Vec3 a = point_in_cube(rng);

@@ -92,8 +92,8 @@ TEST_CASE("every number of primitives builds a tree within its bounds") {
   for (const std::size_t count : {1000, 5000, 20000}) {
     std::vector<BvhReference> references;
     for (std::size_t i = 0; i < count; ++i) {
-      references.push_back(
-          reference_at(point_in_cube(rng), std::ldexp(1.0f, -static_cast<int>(below(rng, 20)))));
+      const float size = std::ldexp(1.0f, -static_cast<int>(below(rng, 20)));
+      references.push_back(reference_at(point_in_cube(rng), size));
     }
     check_build(references);
   }

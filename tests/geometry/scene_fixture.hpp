@@ -81,8 +81,11 @@ inline std::vector<Triangle> triangle_soup(std::size_t count, std::uint64_t seed
     const float size = sizes[below(rng, 6)];
     const Vec3 a = point_in_cube(rng) * 0.9f;
     Triangle t{a, a + point_in_cube(rng) * size, a + point_in_cube(rng) * size};
-    if (soup.size() % 3 == 0)
-      t.c = t.b + (t.b - t.a) * signed_unit(rng) + point_in_cube(rng) * (size * 1e-5f);
+    if (soup.size() % 3 == 0) {
+      // One draw a statement: compilers differ in the order of operands.
+      const Vec3 along = (t.b - t.a) * signed_unit(rng);
+      t.c = (t.b + along) + point_in_cube(rng) * (size * 1e-5f);
+    }
     if (soup.size() % 7 == 1) t.a.z = t.b.z = t.c.z;
     if (soup.size() % 5 == 2) t.a = soup.back().b;
     if (soup.size() % 5 == 2) t.b = soup.back().c;
@@ -102,8 +105,9 @@ inline std::vector<Quad> quad_soup(std::size_t count, std::uint64_t seed) {
     const float size = sizes[below(rng, 4)];
     const Vec3 a = point_in_cube(rng) * 0.7f;
     const Vec3 u = point_in_cube(rng) * size;
-    const Vec3 v = soup.size() % 4 == 0 ? u * signed_unit(rng) + point_in_cube(rng) * (size * 1e-5f)
-                                        : point_in_cube(rng) * size;
+    const float stretch = signed_unit(rng);
+    const Vec3 w = point_in_cube(rng) * size;
+    const Vec3 v = soup.size() % 4 == 0 ? u * stretch + w * 1e-5f : w;
     const Quad q{a, a + u, (a + u) + v, a + v};
     soup.push_back(q);
     if (soup.size() % 10 == 0) soup.push_back(Quad{q.c, q.d, q.a, q.b});

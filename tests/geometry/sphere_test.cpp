@@ -26,7 +26,8 @@ Ray sphere_ray(Rng& rng, const std::vector<Sphere>& spheres) {
   Vec3 origin = point_in_cube(rng) * 1.5f;
   Vec3 direction = unit_direction(rng);
   const std::uint32_t kind = rng.next_fixed() % 5;
-  if (kind == 1) origin = s.center + unit_direction(rng) * (s.radius * rng.next_float());
+  const float depth = rng.next_float();
+  if (kind == 1) origin = s.center + unit_direction(rng) * (s.radius * depth);
   if (kind == 2) origin = s.center + unit_direction(rng) * s.radius;
   if (kind == 3) direction = (s.center + unit_direction(rng) * s.radius) - origin;
   if (kind == 4) {

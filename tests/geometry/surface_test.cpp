@@ -73,7 +73,8 @@ void check_surfaces(Shapes shapes, float scale, const Vec3& shift, int rays, std
     // Half of the directions graze, down to a cosine of about 1e-5.
     Vec3 leaving = unit_direction(rng);
     if ((rng.next_fixed() & 1U) != 0) {
-      const float grazing = std::ldexp(signed_unit(rng), -static_cast<int>(below(rng, 16)));
+      const int exponent = -static_cast<int>(below(rng, 16));
+      const float grazing = std::ldexp(signed_unit(rng), exponent);
       leaving = (leaving - point.normal * dot(leaving, point.normal)) + point.normal * grazing;
     }
     if (std::fabs(dot(leaving, point.normal)) < 1e-6f) continue;
