@@ -69,8 +69,8 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden repro proof memcheck asan \
-        tsan tidy format-check clean
+.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden \
+        planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
 build/mlt: $(OUT)/mlt
@@ -129,6 +129,8 @@ endef
 $(foreach s,$(STAGES),$(eval $(call STAGE_TEST,$(s))))
 
 TEST_BINARIES := $(foreach s,$(TESTED_STAGES),$(OUT)/test_$(s))
+# The tests of render look at every scene, the generated mesh too.
+$(OUT)/test_render: | build/scenes/made
 # The tests of app run the program itself.
 $(OUT)/test_app: | $(OUT)/mlt
 export MLT_BINARY := $(OUT)/mlt
@@ -157,12 +159,32 @@ asan tsan:
 memcheck: $(OUT)/film_hash scenes
 	tools/memcheck.sh $(OUT)
 
-# Whole renders against the stored pictures of ref_images.
-$(OUT)/test_golden: $(call objects,$(wildcard tests/golden/*.cpp) $(SUPPORT)) $(call stage_objects,compare)
+# Whole renders against the stored pictures of ref_images, and the program that makes these.
+GOLDEN := $(call objects,tests/golden/golden.cpp tests/render/render_fixture.cpp tests/support/statistics.cpp)
+$(OUT)/test_golden: $(call objects,tests/golden/golden_test.cpp tests/support/catch_main.cpp) $(GOLDEN) \
+                    $(call stage_objects,compare)
+$(OUT)/make_refs: $(call objects,tests/golden/make_refs.cpp) $(GOLDEN) $(call stage_objects,compare)
+$(OUT)/test_golden $(OUT)/make_refs:
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 golden: $(OUT)/test_golden scenes
 	tools/run_tests.sh $(OUT) golden
+refs: $(OUT)/make_refs scenes
+	$(OUT)/make_refs
+
+# The agreement of PSSMLT with the path tracer, when chains lose weight (include/base/planted_fault.hpp).
+WEIGHTED := $(filter src/render/kernel_group_%.cpp src/render/instruction_set.cpp,$(call sources,render))
+$(OUT)/fault7/%.o: src/%.cpp $(FLAGS_FILE)
+	@mkdir -p $(dir $@)
+	$(SAY) "  compile $@"
+	$(Q)$(CXX) $(CXXFLAGS) -DMLT_PLANTED_FAULT=7 -c $< -o $@
+$(OUT)/test_render_fault7: $(patsubst src/%.cpp,$(OUT)/fault7/%.o,$(WEIGHTED)) \
+    $(call objects,tests/render/agreement_test.cpp tests/render/render_fixture.cpp $(SUPPORT)) \
+    $(filter-out $(KERNEL_SETS) $(call objects,$(WEIGHTED)),$(call stage_objects,render))
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+planted-weight: $(OUT)/test_render_fault7
+	tools/planted_weight_test.sh $(OUT)
 
 # ---- the same bits everywhere, and fixed memory ----
 
@@ -208,9 +230,6 @@ build/scenes/made: scenes/generate_mesh.cpp | deps
 	$(CXX) $(CONTRACT) $(WARNINGS) -O2 $< -o build/scenes/generate_mesh
 	build/scenes/generate_mesh build/scenes
 	@touch $@
-
-refs: build/mlt
-	tools/make_refs.sh
 
 BENCHES := $(patsubst tests/bench/%.cpp,$(OUT)/bench/%,$(wildcard tests/bench/*.cpp))
 $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
