@@ -60,6 +60,7 @@ float cos_part(float u) {
 
 void require_within(const char* name, const WorstError& worst, double limit) {
   std::printf("  %-28s max %.4f ulp at %a\n", name, worst.ulp, static_cast<double>(worst.argument));
+  std::fflush(stdout);  // the exhaustive sweeps take minutes each
   INFO(name << " at " << worst.argument);
   CHECK(worst.ulp <= limit);
 }
