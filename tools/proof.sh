@@ -36,8 +36,9 @@ link_core() {
   local set=${2:-} own
   local pool=$out/src/render/worker_pool.o undefined=() objects=() object root
   for root in "${roots[@]}"; do undefined+=(-u "$root"); done
-  for object in "$out"/src/{base,math,scene,geometry,material,light,world,integrator,markov,film,render}/*.o; do
+  for object in "$out"/src/*/*.o; do
     case $object in
+      */src/image/* | */src/compare/* | */src/app/*) ;;
       */base/assert.o | *\**) ;;
       "$pool") objects+=("$([ "$1" -eq 0 ] && echo "$pool" || echo "$out/fault$1/worker_pool.o")") ;;
       *)

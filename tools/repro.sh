@@ -77,7 +77,8 @@ fi
 # ---- quick ----
 
 same=$(grep -vE '^(#|$)' "$expected" | awk '{ print $NF }' | sort | uniq -d)
-expect_empty "different jobs and seeds have different hashes" "$(grep -F "${same:-nothing is the same}" "$expected")"
+expect_empty "different jobs and seeds have different hashes" \
+  "$(grep -F "${same:-nothing is the same}" "$expected")"
 for threads in 1 2 3 7 16 64; do
   cell "threads $threads" "$all" build/release/film_hash "threads=$threads"
 done

@@ -45,5 +45,6 @@ while IFS= read -r line; do
     "FAIL  "*) pass "the lint sees a breach of: ${line#FAIL  }" ;;
   esac
 done <"$tree/output.txt"
-expect_empty "the lint ran" "$(grep -qE '^0 passed, [1-9][0-9]* failed$' "$tree/output.txt" || cat "$tree/output.txt")"
+expect_empty "the lint ran" \
+  "$(grep -qE '^0 passed, [1-9][0-9]* failed$' "$tree/output.txt" || cat "$tree/output.txt")"
 closing
