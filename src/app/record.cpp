@@ -73,8 +73,8 @@ std::string canonical_command(const std::string& scene, const RenderJob& job, fl
                   job.samples_per_pixel, job.width, job.height, job.depth, job.seed);
   if (is_pssmlt) {
     command +=
-        fmt::format(" --chains {} --bootstrap {} --large-step {} --start {}", job.chains, job.bootstrap,
-                    job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
+        fmt::format(" --chains {} --bootstrap {} --large-step {} --start {} --mutation {}", job.chains,
+                    job.bootstrap, job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
                     mutation_kinds()[static_cast<std::size_t>(job.mutation)].name);
   }
   command += " --roulette " + (job.roulette == 0 ? std::string("off") : std::to_string(job.roulette));
