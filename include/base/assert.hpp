@@ -27,18 +27,18 @@ const char* replay_command();
 
 }  // namespace mlt
 
-#define MLT_CHECK(condition)                                                    \
-  do {                                                                          \
-    if (!(condition)) [[unlikely]]                                              \
-      ::mlt::check_failed(#condition, __FILE__, __LINE__);                      \
+#define MLT_CHECK(condition)                               \
+  do {                                                     \
+    if (!(condition)) [[unlikely]]                         \
+      ::mlt::check_failed(#condition, __FILE__, __LINE__); \
   } while (false)
 
 /// Compares two numbers and prints both when the relation does not hold.
-#define MLT_CHECK_OP(left, op, right)                                                             \
-  do {                                                                                            \
-    if (!((left)op(right))) [[unlikely]]                                                          \
+#define MLT_CHECK_OP(left, op, right)                                                              \
+  do {                                                                                             \
+    if (!((left)op(right))) [[unlikely]]                                                           \
       ::mlt::check_failed(#left " " #op " " #right, __FILE__, __LINE__, static_cast<double>(left), \
-                          static_cast<double>(right));                                            \
+                          static_cast<double>(right));                                             \
   } while (false)
 
 #ifdef MLT_DEBUG

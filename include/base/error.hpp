@@ -12,11 +12,11 @@ namespace mlt {
 /// Process exit codes; documented in README.md and printed by `mlt --help`.
 enum class ExitCode : int {
   kOk = 0,
-  kCompareFailed = 1,   ///< `mlt compare`: an error metric lies above its limit
-  kBadInput = 2,        ///< command line, scene or image file not valid
-  kResourceLimit = 3,   ///< memory, disk or a numeric capacity is not sufficient
-  kBug = 70,            ///< an assertion of the renderer failed
-  kInterrupted = 75,    ///< SIGINT or SIGTERM: the image is written and marked partial
+  kCompareFailed = 1,  ///< `mlt compare`: an error metric lies above its limit
+  kBadInput = 2,       ///< command line, scene or image file not valid
+  kResourceLimit = 3,  ///< memory, disk or a numeric capacity is not sufficient
+  kBug = 70,           ///< an assertion of the renderer failed
+  kInterrupted = 75,   ///< SIGINT or SIGTERM: the image is written and marked partial
 };
 
 /// One fault in an input, at a place. `line` and `column` count from 1; 0 means "the file (or option) as a

@@ -28,12 +28,12 @@ struct Slot {
 };
 
 struct PlanLine {
-  std::string name;   ///< e.g. "film of worker 0"
+  std::string name;  ///< e.g. "film of worker 0"
   Lifetime lifetime;
-  std::size_t count;         ///< items
+  std::size_t count;  ///< items
   std::size_t item_bytes;
-  std::size_t bytes;         ///< count * item_bytes, rounded up to a cache line
-  std::size_t offset = 0;    ///< from the start of the arena
+  std::size_t bytes;       ///< count * item_bytes, rounded up to a cache line
+  std::size_t offset = 0;  ///< from the start of the arena
 };
 
 class MemoryPlan {

@@ -1,7 +1,7 @@
 // One Markov chain of PSSMLT. Proposed and current states are both splatted with expected-value weights, and
 // large steps, which are uniform samples, join the estimate by multiple importance sampling [Kelemen02]. In
-// our notation, with target I, contribution F, large-step probability p, M mutations and the frozen estimate w
-// of b, the image is
+// our notation, with target I, contribution F, large-step probability p, M mutations and the frozen estimate
+// w of b, the image is
 //   (b / M) * sum over states of a_i F / (I + p w)  +  (w / M) * sum over large steps of F / (I + p w),
 // where a_i are the expected-value weights of the Metropolis samples. For any w > 0 both sums have the right
 // expectation together, so a wrong w costs variance and no bias; b multiplies once, at development.

@@ -1,7 +1,8 @@
 #include "base/assert.hpp"
 
-#include <cstdio>
 #include <unistd.h>
+
+#include <cstdio>
 
 #include "base/error.hpp"
 
@@ -39,8 +40,12 @@ ReplayContext& replay_context() {
   return context;
 }
 
-void set_replay_command(const char* command) { g_replay_command = command; }
-const char* replay_command() { return g_replay_command; }
+void set_replay_command(const char* command) {
+  g_replay_command = command;
+}
+const char* replay_command() {
+  return g_replay_command;
+}
 
 void check_failed(const char* expression, const char* file, int line, double left, double right) {
   char buffer[4096];
@@ -52,7 +57,8 @@ void check_failed(const char* expression, const char* file, int line, double lef
 
 void check_failed(const char* expression, const char* file, int line) {
   char buffer[4096];
-  int used = std::snprintf(buffer, sizeof buffer, "mlt: bug: %s:%d: check failed: %s\n", file, line, expression);
+  int used =
+      std::snprintf(buffer, sizeof buffer, "mlt: bug: %s:%d: check failed: %s\n", file, line, expression);
   used = append_context(buffer, sizeof buffer, used);
   report_and_exit(buffer, clamp_length(used, sizeof buffer));
 }

@@ -12,11 +12,14 @@ namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{1} << 47;  // beyond any address space in use
 
-std::size_t round_up(std::size_t bytes) { return (bytes + kCacheLine - 1) / kCacheLine * kCacheLine; }
+std::size_t round_up(std::size_t bytes) {
+  return (bytes + kCacheLine - 1) / kCacheLine * kCacheLine;
+}
 
 }  // namespace
 
-std::size_t MemoryPlan::add_bytes(std::string name, Lifetime lifetime, std::size_t count, std::size_t item_bytes) {
+std::size_t MemoryPlan::add_bytes(std::string name, Lifetime lifetime, std::size_t count,
+                                  std::size_t item_bytes) {
   if (count > kMaxBytes / item_bytes) {
     throw ResourceError(name + ": " + std::to_string(count) + " items of " + std::to_string(item_bytes) +
                         " bytes are more than any machine can address");
@@ -25,7 +28,8 @@ std::size_t MemoryPlan::add_bytes(std::string name, Lifetime lifetime, std::size
   // Render blocks lie over scratch blocks; both start where the scene blocks end, which is known only once
   // the plan is complete. Offsets here count within the lifetime; the arena adds the base.
   lines_.push_back({std::move(name), lifetime, count, item_bytes, size, bytes(lifetime)});
-  if (total_bytes() > kMaxBytes) throw ResourceError(lines_.back().name + ": the memory plan exceeds 128 TiB");
+  if (total_bytes() > kMaxBytes)
+    throw ResourceError(lines_.back().name + ": the memory plan exceeds 128 TiB");
   return lines_.size() - 1;
 }
 
@@ -43,8 +47,8 @@ std::size_t MemoryPlan::total_bytes() const {
 
 void MemoryPlan::require_within(std::size_t limit_bytes) const {
   if (total_bytes() <= limit_bytes) return;
-  throw ResourceError("the job needs " + std::to_string(total_bytes()) + " bytes of memory, and --memory allows " +
-                      std::to_string(limit_bytes));
+  throw ResourceError("the job needs " + std::to_string(total_bytes()) +
+                      " bytes of memory, and --memory allows " + std::to_string(limit_bytes));
 }
 
 Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan.total_bytes(), kCacheLine)) {
@@ -61,7 +65,9 @@ Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan
   }
 }
 
-Arena::~Arena() { ::munmap(base_, size_); }
+Arena::~Arena() {
+  ::munmap(base_, size_);
+}
 
 void* Arena::take_line(std::size_t line, std::size_t item_bytes) {
   MLT_CHECK_OP(line, <, lines_.size());
