@@ -26,11 +26,12 @@ struct GeometryCounts {
 };
 
 /// Up to so many primitives of a kind lie in a flat list. The same for every SIMD width, so that the features
-/// of a scene are. Measured by tests/bench/ray_bench.cpp.
+/// of a scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp, 4
+/// lanes).
 struct FlatLimits {
   std::uint32_t quads = 32;
-  std::uint32_t triangles = 32;
-  std::uint32_t spheres = 32;
+  std::uint32_t triangles = 48;
+  std::uint32_t spheres = 64;
 };
 
 struct GeometryInput {

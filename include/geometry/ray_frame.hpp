@@ -8,7 +8,7 @@
 // The slab test in turn errs by uM in the padded origin, uM in the difference, uM each in reciprocal and
 // product, and 2^-29 M where a direction component is replaced by a larger one. A padding of 12uM therefore
 // lets every box of an accepted polygon pass, at an entry distance <= t. Spheres err by at most 26uM (see
-// sphere.hpp). The padding used is 32uM = 2^-19 M [Ize13 pads the distances instead].
+// sphere.hpp). The padding used is 32uM = 2^-19 M ([Ize13] pads distances instead).
 #pragma once
 
 #include <cmath>

@@ -18,16 +18,25 @@ constexpr int kBins = 16;
 constexpr std::uint32_t kSmallCount = 2 * kSmallestSide;
 static_assert(kSmallCount <= 64);
 
+#if defined(__SSE2__)
 Quadruple min_of(Quadruple a, Quadruple b) {
-  const IntQuadruple less = a < b;
-  return std::bit_cast<Quadruple>((less & std::bit_cast<IntQuadruple>(a)) |
-                                  (~less & std::bit_cast<IntQuadruple>(b)));
+  return std::bit_cast<Quadruple>(_mm_min_ps(std::bit_cast<__m128>(a), std::bit_cast<__m128>(b)));
 }
 Quadruple max_of(Quadruple a, Quadruple b) {
-  const IntQuadruple more = a > b;
-  return std::bit_cast<Quadruple>((more & std::bit_cast<IntQuadruple>(a)) |
-                                  (~more & std::bit_cast<IntQuadruple>(b)));
+  return std::bit_cast<Quadruple>(_mm_max_ps(std::bit_cast<__m128>(a), std::bit_cast<__m128>(b)));
 }
+#else
+Quadruple choose(IntQuadruple mask, Quadruple a, Quadruple b) {
+  return std::bit_cast<Quadruple>((mask & std::bit_cast<IntQuadruple>(a)) |
+                                  (~mask & std::bit_cast<IntQuadruple>(b)));
+}
+Quadruple min_of(Quadruple a, Quadruple b) {
+  return choose(a < b, a, b);
+}
+Quadruple max_of(Quadruple a, Quadruple b) {
+  return choose(a > b, a, b);
+}
+#endif
 
 Quadruple low_of(const BvhReference& r) {
   return Quadruple{r.low[0], r.low[1], r.low[2], 0.0f};
