@@ -23,6 +23,7 @@ inline constexpr int kFaultPage = 4;
 inline constexpr int kFaultThrow = 5;
 inline constexpr int kFaultRecursion = 6;
 inline constexpr int kFaultLostWeight = 7;
+static_assert(MLT_PLANTED_FAULT >= kFaultAllocation && MLT_PLANTED_FAULT <= kFaultLostWeight);
 
 /// Address space reserved when the process starts, of which no page is present.
 struct UntouchedPages {
@@ -64,8 +65,6 @@ inline void planted_fault() {
   } else if constexpr (MLT_PLANTED_FAULT == kFaultRecursion) {
     volatile int depth = 3;
     planted_recursion(depth);
-  } else {
-    static_assert(MLT_PLANTED_FAULT == kFaultLostWeight);
   }
 }
 
