@@ -183,7 +183,7 @@ inline float pow_f(float x, float y) {
   return (y == 0.0f || x == 1.0f) ? 1.0f : result;
 }
 
-/// Arc cosine in [0, pi], error at most 1.1 ulp; acos_f(1) is 0. Outside [-1,1] and for NaN it is NaN.
+/// Arc cosine in [0, pi], error at most 1.2 ulp; acos_f(1) is 0. Outside [-1,1] and for NaN it is NaN.
 inline float acos_f(float x) {
   constexpr float kHalfPiHigh = 0x1.921fb6p+0f;
   constexpr float kHalfPiLow = -0x1.777a5cp-25f;

@@ -1,6 +1,6 @@
 // Accuracy and edges of math/elementary.hpp and math/srgb.hpp. References are the C library's double
-// functions, whose own error (under 1 ulp of double, 2^-29 ulp of float) does not show. Bounds are the
-// measured maxima over all floats, rounded up in the second decimal; docs/MATH.md lists them.
+// functions, whose own error (under 1 ulp of double, 2^-29 ulp of float) does not show. Bounds are those that
+// the headers state; docs/MATH.md lists what was measured, and over how many arguments.
 #include "math/elementary.hpp"
 
 #include <catch2/catch.hpp>
@@ -82,10 +82,10 @@ void check_accuracy(std::uint32_t stride) {
   require_within(
       "exp2_f",
       worst_error(-160.0f, 130.0f, stride, exp2_f, [](float x) { return std::exp2(static_cast<double>(x)); }),
-      0.84);
+      0.9);
   require_within(
       "log_f",
-      worst_error(0.0f, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }), 0.87);
+      worst_error(0.0f, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }), 0.9);
   require_within(
       "log2_f",
       worst_error(0.0f, kMax, stride, log2_f, [](float x) { return std::log2(static_cast<double>(x)); }),
@@ -93,7 +93,7 @@ void check_accuracy(std::uint32_t stride) {
   require_within(
       "acos_f",
       worst_error(-1.0f, 1.0f, stride, acos_f, [](float x) { return std::acos(static_cast<double>(x)); }),
-      1.10);
+      1.2);
   require_within("srgb_encode",
                  worst_error(0.0f, 1.0f, stride, srgb_encode,
                              [](float x) {
