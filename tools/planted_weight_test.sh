@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Shows that the comparison of PSSMLT with the path tracer sees a wrong estimate: with 30 % of the weight lost
-# that a chain's state gains when a proposal is rejected, the test [agreement] must fail, by tiles of PSSMLT
-# that are too dark, on most scenes. The binary is built with MLT_PLANTED_FAULT=7:
-# planted_weight_test.sh build/<variant>
+# that a chain's state gains when a proposal is rejected, the test [agreement] must fail, and by the film means
+# of several scenes. The binary is built with MLT_PLANTED_FAULT=7:
+#   planted_weight_test.sh build/<variant>
 set -u
 export LC_ALL=C
 cd "$(dirname "$0")/.."
@@ -22,10 +22,10 @@ if [ "$status" -ne 0 ]; then
 else
   fail "the agreement test fails" "it passed with 30 % of the weight of rejected proposals lost"
 fi
-scenes=$(grep -oE '^  [^ ]+\.txt tile' "$log" | sort -u | wc -l)
+scenes=$(grep -oE '[^ ]+\.txt film' "$log" | sort -u | wc -l)
 if [ "$scenes" -ge 5 ]; then
-  pass "the agreement test names tiles of $scenes scenes"
+  pass "the films of $scenes scenes are off"
 else
-  fail "the agreement test names tiles of at least 5 scenes" "only $scenes"
+  fail "the films of at least 5 scenes are off" "only $scenes"
 fi
 closing
