@@ -13,7 +13,7 @@
 namespace mlt {
 
 /// name, help text.
-#define MLT_MUTATION_KINDS(X)                                                      \
+#define MLT_MUTATION_KINDS(X)                                          \
   X(kelemen, "log-uniform step sizes from 1/1024 to 1/64 [Kelemen02]") \
   X(gaussian, "normally distributed steps of standard deviation 1/128")
 
