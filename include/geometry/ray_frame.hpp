@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "geometry/ray.hpp"
 #include "geometry/simd.hpp"
@@ -42,9 +43,11 @@ MLT_INLINE RayShear::RayShear(const Ray& ray) {
   origin_x = origin[axis_x];
   origin_y = origin[axis_y];
   origin_z = origin[axis_z];
-  shear_x = direction[axis_x] / direction[axis_z];
-  shear_y = direction[axis_y] / direction[axis_z];
-  inverse_z = 1.0f / direction[axis_z];
+  // A direction of 0 becomes NaN, which no test accepts.
+  const float z = direction[axis_z] != 0.0f ? direction[axis_z] : std::numeric_limits<float>::quiet_NaN();
+  shear_x = direction[axis_x] / z;
+  shear_y = direction[axis_y] / z;
+  inverse_z = 1.0f / z;
 }
 
 /// All of a ray in lanes. Functions that take one are inlined, so that members without use cost nothing.
@@ -80,7 +83,8 @@ MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r) {
   const Vec3 sizes{std::fabs(along[0]), std::fabs(along[1]), std::fabs(along[2])};
   const Vec3 distances{std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])};
   const float padding = (max_component(distances) + extent) * kBoxPadding;
-  const float smallest = max_component(sizes) * kSmallestSlope;
+  // The smallest normal number keeps reciprocals finite, even for a direction of 0.
+  const float smallest = max_component(sizes) * kSmallestSlope + std::numeric_limits<float>::min();
 #pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     origin[axis] = broadcast(at[axis]);

@@ -84,7 +84,7 @@ inline float scalar_polygon_t(const ScalarRay& r, const Vec3* corners, int count
     const float error = (widest_x * widest_y) * (reach * (40 * 0x1p-24f));
     const bool ahead = std::min({t[0], t[1], t[2]}) > 0;
     const bool sure = weight[0] != 0 && weight[1] != 0 && weight[2] != 0;
-    float result = depth * (1.0f / ((weight[0] + weight[1]) + weight[2]));
+    float result = sure ? depth * (1.0f / ((weight[0] + weight[1]) + weight[2])) : 0.0f;
     if (!sure || (!ahead && std::fabs(depth) <= error)) {
       const double exact_depth = (exact[0] * z[0] + exact[1] * z[m]) + exact[2] * z[2];
       result = static_cast<float>(exact_depth / exact_sum * double{r.sz});
