@@ -51,6 +51,8 @@ struct RenderStorage {
   std::span<TileStatistics> tiles;
 
   std::span<Vec3> image;
+  const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
+  std::atomic<bool> left_early{false};      ///< a tile was left before its end
   std::atomic<std::uint64_t> done{0};  ///< samples or mutations finished, raised once a unit
 };
 

@@ -86,7 +86,8 @@ void add_job_options(std::vector<OptionSpec>& table) {
       fmt::format("pssmlt: kind of small step. {}. Default: {}", list_of(mutation_kinds()),
                   name_of(mutation_kinds(), defaults.mutation)));
   add("--roulette", "N|off",
-      fmt::format("first path edge that Russian roulette may end, 1 to {}, or off", kMaxDepth));
+      fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: {}", kMaxDepth,
+                  kDefaultRouletteEdge));
   add("--threads", "N",
       fmt::format("1 to {}, without influence on the image; default: the machine's cores", kMaxThreads));
   add("--isa", "NAME",

@@ -18,7 +18,6 @@ constexpr std::uint32_t kDefaultChains = 256;
 constexpr std::uint64_t kMinDefaultChainLength = 256;  ///< mutations
 constexpr std::uint64_t kMinDefaultBootstrap = 16384;  ///< paths
 constexpr std::uint64_t kBootstrapShare = 10;          ///< a tenth of the mutations
-constexpr std::uint32_t kDefaultRouletteEdge = 8;
 
 /// Collects what is wrong with a request, so that all of it is reported at once.
 class RequestChecker {
@@ -93,6 +92,7 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   if (metropolis) {
     const std::uint64_t pixels = std::uint64_t{job.width} * job.height;
     const std::uint64_t mutations = pixels * job.samples_per_pixel;
+    require_headroom(mutations);
     const std::uint64_t fitting = std::max<std::uint64_t>(1, mutations / kMinDefaultChainLength);
     const auto default_chains = static_cast<std::uint32_t>(std::min<std::uint64_t>(kDefaultChains, fitting));
     job.chains = checker.in_range("--chains", request.chains.value_or(default_chains), 1U, kMaxChains);
@@ -100,8 +100,6 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
         "--bootstrap",
         request.bootstrap.value_or(std::max(kMinDefaultBootstrap, mutations / kBootstrapShare)),
         std::uint64_t{1}, kMaxBootstrap);
-    checker.finish();
-    require_headroom(mutations);
     checker.check(job.chains <= mutations, "--chains", std::to_string(job.chains),
                   "at most one chain a mutation, " + std::to_string(mutations));
     checker.finish();

@@ -87,6 +87,10 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   TileStatistics statistics;
   for (std::uint32_t y = first_y; y < last_y; ++y) {
     for (std::uint32_t x = first_x; x < last_x; ++x) {
+      if (storage.stop->load(std::memory_order_relaxed)) {
+        storage.left_early.store(true, std::memory_order_relaxed);
+        break;
+      }
       render_pixel(integrator, storage, sampler, x, y, statistics);
     }
   }

@@ -166,7 +166,8 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
 void Renderer::State::render_path() {
   progress_total = plan.pixel_count() * plan.job.samples_per_pixel;
   const std::uint64_t tiles = storage.tiles.size();
-  statistics.partial = run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles;
+  storage.stop = stop;
+  statistics.partial = run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles || storage.left_early;
   collect_path();
 }
 
