@@ -42,7 +42,7 @@ inline constexpr std::uint32_t kMaxDepth = 256;                         ///< pat
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::uint32_t kMaxFilmSide = 65536;  ///< pixels
 inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
-inline constexpr std::uint32_t kDefaultDepth = 8;     ///< path edges
+inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 
 struct RenderRequest {
   IntegratorKind integrator = IntegratorKind::pssmlt;

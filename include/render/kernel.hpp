@@ -53,7 +53,7 @@ struct RenderStorage {
   std::span<Vec3> image;
   const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
   std::atomic<bool> left_early{false};      ///< a tile was left before its end
-  std::atomic<std::uint64_t> done{0};  ///< samples or mutations finished, raised once a unit
+  std::atomic<std::uint64_t> done{0};       ///< samples or mutations finished, raised once a unit
 };
 
 /// Mutations of chain `index`: the job's total, spread evenly, the remainder over the first chains.
