@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Shows that the comparison of PSSMLT with the path tracer sees a wrong estimate: with 30 % of the weight lost
-# that a chain's state gains when a proposal is rejected, the test [agreement] must fail, and by the film means
-# of several scenes. The binary is built with MLT_PLANTED_FAULT=7:
-#   planted_weight_test.sh build/<variant>
+# that a state gains when a proposal is rejected, the test [agreement] must fail, and by the film means of
+# several scenes. The binary is built with MLT_PLANTED_FAULT=7: planted_weight_test.sh build/<variant>
 set -u
 export LC_ALL=C
 cd "$(dirname "$0")/.."
