@@ -123,13 +123,13 @@ cited=$(grep -ohE '\[[A-Z][A-Za-z]+[0-9]{2}[a-z]?[] ,;]' "${core[@]}" | tr -d '[
 expect_empty "every cited work is in docs/REFERENCES.md" "$(
   for key in $cited; do grep -q "^- \[$key\]" docs/REFERENCES.md 2>/dev/null || echo "[$key]"; done)"
 
-golden=tests/repro/expected_hashes.txt
-if [ -e "$golden" ]; then
+wrong=
+for golden in tests/repro/expected_hashes.txt ref_images/hashes.txt; do
+  [ -e "$golden" ] || continue
   digest=$(sha256sum "$golden" | cut -c1-16)
-  wrong=
   grep -q "golden: $digest" CHANGELOG.md 2>/dev/null ||
-    wrong="$golden changed: CHANGELOG.md needs a line with 'golden: $digest' and the reason"
-  expect_empty "CHANGELOG.md names the film hashes in force" "$wrong"
-fi
+    wrong+="$golden changed: CHANGELOG.md needs a line with 'golden: $digest' and the reason"$'\n'
+done
+expect_empty "CHANGELOG.md names the film hashes in force" "$wrong"
 
 closing
