@@ -10,6 +10,7 @@
 #include "markov/mutation.hpp"
 #include "render/instruction_set.hpp"
 #include "scene/description.hpp"
+#include "scene/limits.hpp"
 
 namespace mlt {
 
@@ -38,9 +39,9 @@ inline constexpr std::uint64_t kMaxMutations = std::uint64_t{1} << 31;  ///< of 
 inline constexpr std::uint64_t kMaxSamplesPerPixel = std::uint64_t{1} << 30;
 inline constexpr std::uint32_t kMaxChains = 1U << 20;
 inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< paths
-inline constexpr std::uint32_t kMaxDepth = 256;                         ///< path edges
+inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
-inline constexpr std::uint32_t kMaxFilmSide = 65536;  ///< pixels
+inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;  ///< pixels
 inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 
