@@ -15,7 +15,7 @@
 #include <limits>
 
 #include "geometry/ray.hpp"
-#include "geometry/simd.hpp"
+#include "math/simd.hpp"
 
 namespace mlt {
 

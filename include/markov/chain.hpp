@@ -26,6 +26,7 @@ struct ChainSettings {
   std::uint64_t mutations = 0;
   float large_step = 0.2f;  ///< probability in [0,1]
   float weight_b = 0;       ///< w above: the frozen b of the weights, > 0
+  FillSteps fill_steps = nullptr;
   std::uint64_t first_time = 1;
 };
 
@@ -57,7 +58,7 @@ struct ChainState {
 };
 
 /// Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I + p w).
-template <class Mutation, class Integrator, class Film>
+template <class Integrator, class Film>
 class Chain {
  public:
   Chain(const Integrator& integrator, const ChainSettings& settings, const ChainWorkspace& workspace,
@@ -66,7 +67,10 @@ class Chain {
         settings_(settings),
         film_(film),
         samples_(workspace.samples, workspace.saved,
-                 Rng(settings.seed, StreamPurpose::kChain, settings.chain_index), settings.first_time),
+                 Rng(settings.seed, StreamPurpose::kChain, settings.chain_index),
+                 StepSource(BlockRng(settings.seed, StreamPurpose::kSteps, settings.chain_index),
+                            settings.fill_steps),
+                 settings.first_time),
         current_{Contribution(workspace.current)},
         proposed_{Contribution(workspace.proposed)} {}
 
@@ -150,7 +154,7 @@ class Chain {
   const Integrator& integrator_;
   ChainSettings settings_;
   Film& film_;
-  PrimarySampleVector<Mutation> samples_;
+  PrimarySampleVector samples_;
   ChainState current_;
   ChainState proposed_;
   ChainStatistics statistics_;

@@ -21,18 +21,48 @@ struct PrimarySample {
 
 /// What a proposal overwrote.
 struct SavedSample {
-  PrimarySample sample;
+  std::uint64_t time = 0;
+  std::uint32_t value = 0;
   std::uint32_t index = 0;
 };
 
-template <class Mutation>
-class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
+/// Steps in stock. Their order of use is the order of the generator's numbers.
+class StepSource {
+ public:
+  StepSource(BlockRng rng, FillSteps fill) : rng_(rng), fill_(fill) {}
+
+  std::uint32_t next() {
+    if (used_ == kStock) [[unlikely]]
+      refill();
+    return steps_[used_++];
+  }
+
+ private:
+  static constexpr std::uint32_t kStock = 4 * kBlockDraws;
+
+  [[gnu::noinline]] void refill() {
+    for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) fill_(rng_, steps_ + first);
+    used_ = 0;
+  }
+
+  alignas(16) std::uint32_t steps_[kStock];
+  BlockRng rng_;
+  FillSteps fill_;
+  std::uint32_t used_ = kStock;
+};
+
+class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
  public:
   /// Both spans have the capacity that the integrator states; their contents are overwritten. `first_time`
   /// is where time starts (at least 1).
   PrimarySampleVector(std::span<PrimarySample> samples, std::span<SavedSample> saved, Rng rng,
-                      std::uint64_t first_time = 1)
-      : samples_(samples), saved_(saved), rng_(rng), time_(first_time), large_step_time_(first_time) {
+                      const StepSource& steps, std::uint64_t first_time = 1)
+      : samples_(samples),
+        saved_(saved),
+        rng_(rng),
+        steps_(steps),
+        time_(first_time),
+        large_step_time_(first_time) {
     MLT_CHECK_OP(samples.size(), ==, saved.size());
     MLT_CHECK_OP(first_time, >=, 1U);
     for (PrimarySample& sample : samples_) sample = PrimarySample{};
@@ -59,22 +89,21 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
     MLT_CHECK_OP(cursor_, <, samples_.size());
     const std::uint32_t index = cursor_++;
     PrimarySample& sample = samples_[index];
-    switch (mode_) {
-      case Mode::kInitial:
-        sample = PrimarySample{time_, initial_.next_fixed()};
-        return sample.value;
-      case Mode::kLarge:
-        saved_[saved_count_++] = SavedSample{sample, index};
-        sample.value = rng_.next_fixed();
-        break;
-      case Mode::kSmall:
-        catch_up(sample);
-        saved_[saved_count_++] = SavedSample{sample, index};
-        sample.value += Mutation::step(rng_);
-        break;
+    if (mode_ == Mode::kInitial) [[unlikely]] {
+      sample = PrimarySample{time_, initial_.next_fixed()};
+      return sample.value;
     }
-    sample.time = time_;
-    return sample.value;
+    std::uint32_t value = 0;
+    if (mode_ == Mode::kLarge) {
+      save(sample, index);
+      value = rng_.next_fixed();
+    } else {
+      if (sample.time + 1 != time_) catch_up(sample);
+      save(sample, index);
+      value = sample.value + steps_.next();
+    }
+    sample = PrimarySample{time_, value};
+    return value;
   }
 
   void skip(std::uint32_t count) { cursor_ += count; }
@@ -86,7 +115,7 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
   void reject() {
     while (saved_count_ > 0) {
       const SavedSample& saved = saved_[--saved_count_];
-      samples_[saved.index] = saved.sample;
+      samples_[saved.index] = PrimarySample{saved.time, saved.value};
     }
     time_ -= 1;
   }
@@ -96,17 +125,22 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector<Mutation>> {
  private:
   enum class Mode : std::uint8_t { kInitial, kLarge, kSmall };
 
+  void save(const PrimarySample& sample, std::uint32_t index) {
+    saved_[saved_count_++] = SavedSample{sample.time, sample.value, index};
+  }
+
   /// Brings a sample to the current state, one step before the proposal. A sample older than the last large
   /// step, or never asked for, is uniform and independent of all others, and the steps that it missed since
   /// would leave it so: it is drawn as of now.
   void catch_up(PrimarySample& sample) {
     if (sample.time < large_step_time_) sample = PrimarySample{time_ - 1, rng_.next_fixed()};
-    for (; sample.time + 1 < time_; ++sample.time) sample.value += Mutation::step(rng_);
+    for (; sample.time + 1 < time_; ++sample.time) sample.value += steps_.next();
   }
 
   std::span<PrimarySample> samples_;
   std::span<SavedSample> saved_;
   Rng rng_;
+  StepSource steps_;
   Rng initial_;
   std::uint64_t time_;
   std::uint64_t large_step_time_;

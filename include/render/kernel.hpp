@@ -74,6 +74,6 @@ struct Kernel {
   void (*tile)(void* storage, std::uint32_t worker, std::uint64_t tile) = nullptr;
 };
 
-Kernel select_kernel(FeatureMask features, MutationKind mutation);
+Kernel select_kernel(FeatureMask features);
 
 }  // namespace mlt

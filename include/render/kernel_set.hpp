@@ -14,7 +14,7 @@ struct KernelSet {
   WorldSlots (*plan_world)(MemoryPlan& plan, const WorldCounts& counts) = nullptr;
   World (*compile_world)(const SceneDescription& scene, const WorldCounts& counts, std::uint32_t width,
                          std::uint32_t height, Arena& arena, const WorldSlots& slots) = nullptr;
-  Kernel (*select_kernel)(FeatureMask features, MutationKind mutation) = nullptr;
+  Kernel (*select_kernel)(FeatureMask features) = nullptr;
 };
 
 /// The set must be supported.

@@ -40,7 +40,7 @@ std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
 JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
     : job(render_job),
       features(find_features(counts, render_job)),
-      kernel(kernel_set(render_job.instruction_set).select_kernel(features, render_job.mutation)),
+      kernel(kernel_set(render_job.instruction_set).select_kernel(features)),
       sample_capacity(kernel.primary_sample_capacity(render_job.depth)) {
   const std::uint64_t units = is_metropolis() ? std::uint64_t{job.chains}
                                               : std::uint64_t{tile_count(job.width)} * tile_count(job.height);

@@ -1,5 +1,5 @@
 #include "kernel_impl.hpp"
 
 namespace mlt {
-template Kernel kernel_of_group<1>(FeatureMask, MutationKind);
+template Kernel kernel_of_group<1>(FeatureMask);
 }  // namespace mlt

@@ -1,5 +1,5 @@
 #include "kernel_impl.hpp"
 
 namespace mlt {
-template Kernel kernel_of_group<2>(FeatureMask, MutationKind);
+template Kernel kernel_of_group<2>(FeatureMask);
 }  // namespace mlt

@@ -15,6 +15,17 @@ void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chun
       evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution);
 }
 
+inline FillSteps fill_steps_of(MutationKind kind) {
+  switch (kind) {
+#define MLT_CASE(name, help) \
+  case MutationKind::name:   \
+    return &Mutation<MutationKind::name>::fill<BlockRng>;
+    MLT_MUTATION_KINDS(MLT_CASE)
+#undef MLT_CASE
+  }
+  return nullptr;
+}
+
 template <FeatureMask kFeatures>
 SeedPath find_start(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                     const WorkerStorage& own, std::uint64_t chain) {
@@ -28,7 +39,7 @@ SeedPath find_start(const PathIntegrator<kFeatures>& integrator, const RenderSto
                         contribution);
 }
 
-template <FeatureMask kFeatures, MutationKind kMutation>
+template <FeatureMask kFeatures>
 void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const WorkerStorage& own = storage.workers[worker];
@@ -41,8 +52,8 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   settings.mutations = chain_length(storage.mutations, storage.job.chains, index);
   settings.large_step = storage.job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
-  Chain<Mutation<kMutation>, PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain,
-                                                                         film);
+  settings.fill_steps = fill_steps_of(storage.job.mutation);
+  Chain<PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain, film);
   storage.chains[index] = chain.run(start);
   storage.done.fetch_add(settings.mutations, std::memory_order_relaxed);
 }
@@ -100,21 +111,14 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
 }
 
 template <FeatureMask kFeatures>
-Kernel make_kernel(MutationKind mutation) {
+Kernel make_kernel() {
   using Integrator = PathIntegrator<kFeatures>;
   Kernel kernel;
   kernel.primary_sample_capacity = &Integrator::primary_sample_capacity;
   kernel.max_splats = Integrator::kMaxSplats;
   kernel.bootstrap_chunk = &run_bootstrap_chunk<kFeatures>;
   kernel.tile = &run_tile<kFeatures>;
-  switch (mutation) {
-#define MLT_CASE(name, help)                                  \
-  case MutationKind::name:                                    \
-    kernel.chain = &run_chain<kFeatures, MutationKind::name>; \
-    break;
-    MLT_MUTATION_KINDS(MLT_CASE)
-#undef MLT_CASE
-  }
+  kernel.chain = &run_chain<kFeatures>;
   return kernel;
 }
 
@@ -123,13 +127,13 @@ inline constexpr FeatureMask kMasksPerGroup = kFeatureMaskCount / kKernelGroups;
 
 /// The kernel of `features` from the masks of one group; the mask must lie in it and be consistent.
 template <FeatureMask kGroup, FeatureMask kIndex = 0>
-Kernel kernel_of_group(FeatureMask features, MutationKind mutation) {
+Kernel kernel_of_group(FeatureMask features) {
   constexpr FeatureMask kMask = kGroup * kMasksPerGroup + kIndex;
   if constexpr (is_consistent(kMask)) {
-    if (features == kMask) return make_kernel<kMask>(mutation);
+    if (features == kMask) return make_kernel<kMask>();
   }
   if constexpr (kIndex + 1 < kMasksPerGroup) {
-    return kernel_of_group<kGroup, kIndex + 1>(features, mutation);
+    return kernel_of_group<kGroup, kIndex + 1>(features);
   } else {
     MLT_CHECK_OP(features, ==, kMask);
     return {};

@@ -71,8 +71,9 @@ double mutation_nanoseconds() {
   constexpr int kSteps = 200000;
   std::vector<PrimarySample> samples(kSamples);
   std::vector<SavedSample> saved(kSamples);
-  PrimarySampleVector<Mutation<MutationKind::kelemen>> vector(samples, saved,
-                                                              Rng(1, StreamPurpose::kTest, 0));
+  PrimarySampleVector vector(samples, saved, Rng(1, StreamPurpose::kTest, 0),
+                             StepSource(BlockRng(1, StreamPurpose::kTest, 1),
+                                        &Mutation<MutationKind::kelemen>::fill<BlockRng>));
   std::uint32_t sum = 0;
   const double begin = seconds_now();
   for (int step = 0; step < kSteps; ++step) {

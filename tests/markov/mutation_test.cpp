@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "markov/primary_samples.hpp"
+#include "markov/steps.hpp"
 #include "markov/toy_chains.hpp"
 #include "support/statistics.hpp"
 
@@ -21,8 +22,9 @@ struct ScriptedGenerator {
   std::vector<std::uint32_t> draws;
   std::size_t next = 0;
 
-  std::uint32_t next_fixed() { return draws[next++ % draws.size()]; }
-  float next_float() { return unit_float(next_fixed()); }
+  void next_block(std::uint32_t* block) {
+    for (int i = 0; i < kBlockDraws; ++i) block[i] = draws[next++ % draws.size()];
+  }
 };
 
 /// Signed length of a step, a fraction of the circle in [-0.5, 0.5).
@@ -38,17 +40,20 @@ TEST_CASE("pitfall 2: extreme draws give finite small steps") {
     INFO(name);
     for (const std::uint32_t first : extremes) {
       for (const std::uint32_t second : extremes) {
-        ScriptedGenerator generator{{first, second}};
-        for (int i = 0; i < 2; ++i) {
+        // Whole blocks of each, so that kinds that take two blocks meet every pair.
+        std::vector<std::uint32_t> draws(kBlockDraws, first);
+        draws.insert(draws.end(), kBlockDraws, second);
+        Steps<kKind, ScriptedGenerator> steps(ScriptedGenerator{draws});
+        for (int i = 0; i < 2 * kBlockDraws; ++i) {
           // A step of NaN or infinite length would be cut to zero or be far: a small step is neither.
-          const double distance = std::fabs(signed_distance(Mutation<kKind>::step(generator)));
+          const double distance = std::fabs(signed_distance(steps.next()));
           CHECK(distance < 1.0 / 16);
         }
       }
     }
     // The largest steps are not lost to a range check either.
-    ScriptedGenerator zeros{{0}};
-    CHECK(std::fabs(signed_distance(Mutation<kKind>::step(zeros))) > 1.0 / 128);
+    Steps<kKind, ScriptedGenerator> zeros(ScriptedGenerator{{0}});
+    CHECK(std::fabs(signed_distance(zeros.next())) > 1.0 / 128);
   });
 }
 
@@ -56,12 +61,12 @@ TEST_CASE("steps forwards and backwards are equally likely at every length") {
   const double threshold = sidak_threshold(kSignificance, 4);
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     INFO(name);
-    Rng rng(1, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind));
+    Steps<kKind> steps(BlockRng(1, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind)));
     std::array<std::uint64_t, 64> forwards{}, backwards{};
     constexpr int kSteps = 1000000;
     std::vector<double> samples(kSteps);
     for (double& distance : samples) {
-      distance = signed_distance(Mutation<kKind>::step(rng));
+      distance = signed_distance(steps.next());
       const auto cell = static_cast<std::size_t>(std::fabs(distance) * 1024);  // of 1/16 in 64 cells
       REQUIRE(cell < forwards.size());
       ++(distance < 0 ? backwards : forwards)[cell];
@@ -85,11 +90,12 @@ TEST_CASE("a step leaves the uniform distribution uniform, and wraps exactly") {
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     INFO(name);
     Rng rng(2, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind));
+    Steps<kKind> steps(BlockRng(2, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind)));
     std::vector<std::uint64_t> cells(256);
     const std::vector<double> expected(256, 1000);
     for (int i = 0; i < 256000; ++i) {
       const std::uint32_t start = rng.next_fixed();
-      const std::uint32_t step = Mutation<kKind>::step(rng);
+      const std::uint32_t step = steps.next();
       ++cells[(start + step) >> 24];
       // What goes over the end comes back by the same step.
       REQUIRE(start + step + (0U - step) == start);
@@ -103,7 +109,9 @@ template <MutationKind kKind>
 float largest_sample(std::uint64_t mutations) {
   std::array<PrimarySample, 2> samples;
   std::array<SavedSample, 2> saved;
-  PrimarySampleVector<Mutation<kKind>> vector(samples, saved, Rng(3, StreamPurpose::kTest, 0));
+  PrimarySampleVector vector(
+      samples, saved, Rng(3, StreamPurpose::kTest, 0),
+      StepSource(BlockRng(3, StreamPurpose::kTest, 1), &Mutation<kKind>::template fill<BlockRng>));
   float largest = 0;
   float smallest = 1;
   for (std::uint64_t i = 0; i < mutations / 2; ++i) {
@@ -143,12 +151,12 @@ TEST_CASE("pitfall 1: a sample at either end of the circle becomes no float outs
 }
 
 TEST_CASE("Kelemen's steps are log-uniform between 1/1024 and 1/64") {
-  Rng rng(4, StreamPurpose::kTest, 0);
+  Steps<MutationKind::kelemen> steps(BlockRng(4, StreamPurpose::kTest, 0));
   std::vector<std::uint64_t> cells(100);
   for (int i = 0; i < 200000; ++i) {
-    const double distance = std::fabs(signed_distance(Mutation<MutationKind::kelemen>::step(rng)));
+    const double distance = std::fabs(signed_distance(steps.next()));
     const double position = std::log(distance * 1024) / std::log(16.0);
-    // exp's error and the cut to 32 bits, at the smallest distance of 2^22 units.
+    // The polynomial's error and the cut to 32 bits, at the smallest distance of 2^22 units.
     REQUIRE(position > -1e-6);
     REQUIRE(position < 1 + 1e-6);
     ++cells[static_cast<std::size_t>(std::min(99.0, std::max(0.0, position * 100)))];
@@ -157,10 +165,10 @@ TEST_CASE("Kelemen's steps are log-uniform between 1/1024 and 1/64") {
 }
 
 TEST_CASE("Gaussian steps are normal with standard deviation 1/128") {
-  Rng rng(5, StreamPurpose::kTest, 0);
+  Steps<MutationKind::gaussian> steps(BlockRng(5, StreamPurpose::kTest, 0));
   std::vector<std::uint64_t> cells(100);
   for (int i = 0; i < 200000; ++i) {
-    const double z = signed_distance(Mutation<MutationKind::gaussian>::step(rng)) * 128;
+    const double z = signed_distance(steps.next()) * 128;
     const double quantile = 0.5 * std::erfc(-z / std::sqrt(2.0));
     ++cells[static_cast<std::size_t>(std::min(99.0, quantile * 100))];
   }

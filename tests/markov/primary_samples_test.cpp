@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "integrator/sampler.hpp"
+#include "markov/steps.hpp"
 #include "markov/toy_chains.hpp"
 #include "markov/toy_integrators.hpp"
 #include "support/child_process.hpp"
@@ -19,12 +20,20 @@ namespace {
 constexpr double kSignificance = 1e-4;  // of one test case, by Sidak's correction
 constexpr std::size_t kCells = 64;
 
-/// A step of one unit that counts how often it was taken.
+/// Steps of one unit.
+struct UnitMutation {
+  template <class Generator>
+  static void fill(Generator&, std::uint32_t* steps) {
+    for (int i = 0; i < kBlockDraws; ++i) steps[i] = 1;
+  }
+};
+
+/// The n-th step of a chain has length n, so that lengths tell how many steps were taken.
 struct CountingMutation {
-  static inline std::uint64_t steps = 0;
-  static std::uint32_t step(Rng&) {
-    ++steps;
-    return 1;
+  static inline std::uint32_t steps = 0;
+  template <class Generator>
+  static void fill(Generator&, std::uint32_t* block) {
+    for (int i = 0; i < kBlockDraws; ++i) block[i] = ++steps;
   }
 };
 
@@ -32,10 +41,12 @@ template <class Mutation, std::size_t kCapacity = 4>
 struct Fixture {
   std::array<PrimarySample, kCapacity> samples;
   std::array<SavedSample, kCapacity> saved;
-  PrimarySampleVector<Mutation> vector;
+  PrimarySampleVector vector;
 
   explicit Fixture(std::uint64_t stream, std::uint64_t first_time = 1)
-      : vector(samples, saved, Rng(19, StreamPurpose::kTest, stream), first_time) {
+      : vector(samples, saved, Rng(19, StreamPurpose::kTest, stream),
+               StepSource(BlockRng(23, StreamPurpose::kTest, stream), &Mutation::template fill<BlockRng>),
+               first_time) {
     vector.begin_initial(Rng(20, StreamPurpose::kTest, stream));
   }
 
@@ -61,7 +72,7 @@ double two_sample_p_value(const std::vector<std::uint64_t>& a, const std::vector
 }
 
 TEST_CASE("the first state is the bootstrap path's, sample for sample") {
-  Fixture<CountingMutation> fixture(0);
+  Fixture<UnitMutation> fixture(0);
   IndependentSampler reference(Rng(20, StreamPurpose::kTest, 0));
   CHECK(fixture.vector.next_fixed() == reference.next_fixed());
   fixture.vector.skip(1);
@@ -96,7 +107,7 @@ TEST_CASE("a rejected proposal leaves no trace, an accepted one all of it") {
 }
 
 TEST_CASE("a sample catches up by one step for each accepted mutation, and not for rejected ones") {
-  Fixture<CountingMutation> fixture(2);
+  Fixture<UnitMutation> fixture(2);
   const std::uint32_t start = fixture.vector.next_fixed();
   fixture.vector.next_fixed();
   fixture.vector.end_initial();
@@ -116,16 +127,21 @@ TEST_CASE("a sample catches up by one step for each accepted mutation, and not f
 }
 
 TEST_CASE("a sample never asked for, or older than a large step, is drawn and not replayed") {
+  CountingMutation::steps = 0;
   Fixture<CountingMutation> fixture(3);
-  fixture.vector.next_fixed();
+  std::uint32_t value = fixture.vector.next_fixed();
   fixture.vector.end_initial();
-  for (int i = 0; i < 1000; ++i) {
-    fixture.propose(false);
+  for (std::uint32_t i = 1; i <= 1000; ++i) {
+    const std::uint32_t moved = fixture.propose(false);
+    REQUIRE(moved - value == i);
+    value = moved;
     fixture.vector.accept();
   }
-  CountingMutation::steps = 0;
+  // Step 1001 is for the sample that was never asked for; had it caught up, it would have taken 1001.
   fixture.propose(false, 3);
-  CHECK(CountingMutation::steps == 1);
+  fixture.vector.accept();
+  // Catches up with one accepted step and takes its own.
+  CHECK(fixture.propose(false) - value == 1002 + 1003);
 }
 
 TEST_CASE("pitfall 19: a sample untouched for n steps is distributed as after n explicit steps") {
@@ -153,9 +169,9 @@ TEST_CASE("pitfall 19: a sample untouched for n steps is distributed as after n 
           fixture.vector.accept();
         }
         ++lazy[cell(fixture.propose(false) - start)];
-        Rng rng(22, StreamPurpose::kTest, stream);
+        Steps<kKind> steps(BlockRng(22, StreamPurpose::kTest, stream));
         std::uint32_t distance = 0;
-        for (int i = 0; i < skipped[k] + 1; ++i) distance += Mutation<kKind>::step(rng);
+        for (int i = 0; i < skipped[k] + 1; ++i) distance += steps.next();
         ++direct[cell(distance)];
       }
       CHECK(two_sample_p_value(lazy, direct) > threshold);
@@ -219,7 +235,7 @@ TEST_CASE("pitfall 18: the same film, bit for bit, when time starts just below 2
 TEST_CASE("asking for more samples than the integrator stated is a bug, not a silent drop") {
   for (const bool initial : {true, false}) {
     const ChildResult child = run_in_child([&] {
-      Fixture<CountingMutation, 2> fixture(4);
+      Fixture<UnitMutation, 2> fixture(4);
       if (!initial) {
         fixture.vector.end_initial();
         fixture.vector.begin_proposal(false);

@@ -63,9 +63,10 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
   settings.mutations = job.mutations;
   settings.large_step = job.large_step;
   settings.weight_b = weight_b;
+  settings.fill_steps = &Mutation::template fill<BlockRng>;
   settings.first_time = job.first_time;
   const ChainWorkspace workspace{samples, saved, current, proposed};
-  Chain<Mutation, Integrator, Film> chain(integrator, settings, workspace, film);
+  Chain<Integrator, Film> chain(integrator, settings, workspace, film);
   return chain.run(start);
 }
 

@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -24,6 +25,7 @@ inline constexpr int kLanes = 4;
 using LaneFloat __attribute__((vector_size(kLanes * sizeof(float)))) = float;
 /// Also the type of masks: a lane is all ones (true) or all zeros (false).
 using LaneInt __attribute__((vector_size(kLanes * sizeof(float)))) = std::int32_t;
+using LaneUint __attribute__((vector_size(kLanes * sizeof(float)))) = std::uint32_t;
 
 #define MLT_INLINE [[gnu::always_inline]] inline
 
@@ -40,6 +42,15 @@ MLT_INLINE LaneInt bits_of(LaneFloat lanes) {
 }
 MLT_INLINE LaneFloat floats_of(LaneInt lanes) {
   return std::bit_cast<LaneFloat>(lanes);
+}
+
+MLT_INLINE LaneUint load_lanes(const std::uint32_t* values) {
+  LaneUint lanes;
+  std::memcpy(&lanes, values, sizeof(lanes));
+  return lanes;
+}
+MLT_INLINE void store_lanes(std::uint32_t* values, LaneUint lanes) {
+  std::memcpy(values, &lanes, sizeof(lanes));
 }
 
 /// `when_true` in the lanes where `mask` is set, else `when_false`.
