@@ -33,16 +33,16 @@ struct Bvh {
   const Block* blocks = nullptr;
 };
 
-/// Children whose boxes the ray enters before it leaves them, at a distance <= limit.
-MLT_INLINE unsigned entered_children(const BvhNode& node, const RayFrame& ray, LaneFloat limit,
-                                     LaneFloat& entry) {
+/// The boxes, by axis and side, that the ray enters before it leaves them, at a distance <= limit.
+MLT_INLINE unsigned entered_boxes(const LaneFloat (&planes)[3][2], const RayFrame& ray, LaneFloat limit,
+                                  LaneFloat& entry) {
   LaneFloat exit = limit;
   entry = LaneFloat{};
 #pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     const int near_side = ray.near_side[axis];
-    const LaneFloat near_plane = node.planes[axis][near_side];
-    const LaneFloat far_plane = node.planes[axis][1 - near_side];
+    const LaneFloat near_plane = planes[axis][near_side];
+    const LaneFloat far_plane = planes[axis][1 - near_side];
     entry = max_lanes(entry, (near_plane - ray.near_origin[axis]) * ray.inverse[axis]);
     exit = min_lanes(exit, (far_plane - ray.far_origin[axis]) * ray.inverse[axis]);
   }
@@ -65,7 +65,7 @@ MLT_INLINE void traverse_closest(const BvhNode* nodes, const RayFrame& ray, floa
       limit = visit(child & ~kLeafBit);
     } else {
       LaneFloat entry;
-      unsigned bits = entered_children(nodes[child], ray, broadcast(limit), entry);
+      unsigned bits = entered_boxes(nodes[child].planes, ray, broadcast(limit), entry);
       const std::uint32_t* children = nodes[child].children;
       if (bits != 0) {
         const int base = size;
@@ -102,7 +102,7 @@ MLT_INLINE bool traverse_any(const BvhNode* nodes, const RayFrame& ray, float li
       if (visit(child & ~kLeafBit)) return true;
     } else {
       LaneFloat entry;
-      unsigned bits = entered_children(nodes[child], ray, limits, entry);
+      unsigned bits = entered_boxes(nodes[child].planes, ray, limits, entry);
       const std::uint32_t* children = nodes[child].children;
       while (bits != 0) stack[size++] = children[take_lowest(bits)];
     }

@@ -1,6 +1,6 @@
 // All shapes of a compiled scene behind two questions: what does a ray hit first, and is a segment blocked.
-// Quads and triangles share one watertight formula (polygon.hpp); few primitives of a kind lie in a flat list
-// of SIMD blocks, many in a wide bounding volume hierarchy (bvh.hpp). Results do not depend on the structure
+// Quads and triangles share one watertight formula (polygon.hpp); few primitives lie in a flat list of SIMD
+// blocks, many in a wide bounding volume hierarchy (bvh.hpp). Results do not depend on the structure
 // or on the SIMD width: a hit is a property of ray and primitive, and equal distances are resolved by
 // primitive index. Memory belongs to the arena; a Geometry is a view of it, immutable after build.
 #pragma once
@@ -11,10 +11,11 @@
 #include "base/memory.hpp"
 #include "geometry/bvh.hpp"
 #include "geometry/bvh_builder.hpp"
-#include "geometry/polygon.hpp"
+#include "geometry/quad_block.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/shapes.hpp"
 #include "geometry/sphere.hpp"
+#include "geometry/triangle_block.hpp"
 
 namespace mlt {
 
@@ -25,12 +26,10 @@ struct GeometryCounts {
   std::uint32_t spheres = 0;
 };
 
-/// Up to so many primitives of a kind lie in a flat list. The same for every SIMD width, so that the features
-/// of a scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp, 4
-/// lanes).
+/// Up to so many primitives lie in a flat list. The same for every SIMD width, so that the features of a
+/// scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp).
 struct FlatLimits {
-  std::uint32_t quads = 32;
-  std::uint32_t triangles = 48;
+  std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
 };
 
@@ -51,8 +50,8 @@ struct KindSlots {
 };
 
 struct GeometrySlots {
-  KindSlots<PolygonBlock<4>> quads;
-  KindSlots<PolygonBlock<3>> triangles;
+  KindSlots<QuadBlock> quads;  ///< with the triangles, when there are few of both
+  KindSlots<TriangleBlock> triangles;
   KindSlots<SphereBlock> spheres;
 };
 
@@ -74,12 +73,13 @@ class Geometry {
   /// never hit.
   static Geometry build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input);
 
-  /// Whether intersect<true> and occluded<true> are needed: whether there is more than a flat list of quads.
+  /// Whether intersect<true> and occluded<true> are needed: whether there is more than a flat list of
+  /// polygons.
   static bool is_general(const GeometryCounts& counts, const FlatLimits& limits = {});
 
   /// The closest hit at 0 < t < ray.t_max, by (t, primitive). A ray whose direction is 0 or not finite, or
   /// whose longest component lies outside [2^-60, 2^60], hits nothing or anything. kGeneral = false compiles
-  /// code for a flat list of quads alone.
+  /// code for a flat list of polygons alone.
   template <bool kGeneral>
   Hit intersect(const Ray& ray) const;
 
@@ -95,10 +95,10 @@ class Geometry {
   float extent() const { return extent_; }
 
  private:
-  PrimitiveList<PolygonBlock<4>> quads_;
-  PrimitiveList<PolygonBlock<3>> triangles_;
+  PrimitiveList<QuadBlock> quads_;
+  PrimitiveList<TriangleBlock> triangles_;
   PrimitiveList<SphereBlock> spheres_;
-  std::uint32_t first_triangle_ = 0;  ///< primitive indices of triangles start here
+  std::uint32_t first_in_triangles_ = 0;  ///< first primitive index that is stored in triangles_
   std::uint32_t first_sphere_ = 0;
   float extent_ = 0;
 };

@@ -10,8 +10,10 @@ inline constexpr std::uint32_t kSecondTriangle =
     0x80000000U;  ///< in Hit::slot: on triangle a, c, d of a quad
 
 template <class Block>
-struct HitsOfBlock {
-  using Type = PolygonHits;
+struct HitsOfBlock;
+template <>
+struct HitsOfBlock<TriangleBlock> {
+  using Type = TriangleHits;
 };
 template <>
 struct HitsOfBlock<SphereBlock> {
@@ -20,9 +22,8 @@ struct HitsOfBlock<SphereBlock> {
 template <class Block>
 using HitsOf = typename HitsOfBlock<Block>::Type;
 
-MLT_INLINE Hit make_hit(const PolygonHits& hits, int lane, std::uint32_t primitive, std::uint32_t slot) {
-  const std::uint32_t half = static_cast<std::uint32_t>(hits.second[lane]) & kSecondTriangle;
-  return {hits.t[lane], primitive, slot | half, {hits.weight_middle[lane], hits.weight_c[lane]}};
+MLT_INLINE Hit make_hit(const TriangleHits& hits, int lane, std::uint32_t primitive, std::uint32_t slot) {
+  return {hits.t[lane], primitive, slot, {hits.weight_b[lane], hits.weight_c[lane]}};
 }
 MLT_INLINE Hit make_hit(const SphereHits& hits, int lane, std::uint32_t primitive, std::uint32_t slot) {
   return {hits.t[lane], primitive, slot, {0, 0}};
@@ -52,6 +53,26 @@ struct BestHit {
     }
   }
 
+  /// Quads behind the best hit so far are passed over by their boxes' entries, which no t is below.
+  MLT_INLINE void visit(const QuadBlock& block, std::uint32_t index, const RayFrame& ray) {
+    LaneFloat entries;
+    unsigned bits = entered_boxes(block.planes, ray, broadcast(limit), entries);
+    while (bits != 0) {
+      const int lane = take_lowest(bits);
+      const float entry = entries[lane];
+      QuadHit met;
+      if (entry > limit || !cross_quad(block.quads[lane], ray, met)) continue;
+      const float t = entry > met.t ? entry : met.t;
+      const std::uint32_t primitive = block.quads[lane].primitive;
+      if (t < limit || (t == limit && primitive < tie_below)) {
+        limit = t;
+        tie_below = primitive;
+        const std::uint32_t slot = index * kLanes + static_cast<std::uint32_t>(lane);
+        hit = {t, primitive, slot | (met.second ? kSecondTriangle : 0U), {met.weight_middle, met.weight_c}};
+      }
+    }
+  }
+
   template <class Block>
   MLT_INLINE void visit_flat(const PrimitiveList<Block>& list, const RayFrame& ray) {
     for (std::uint32_t i = 0; i < list.block_count; ++i) visit(list.blocks[i], i, ray);
@@ -76,6 +97,17 @@ MLT_INLINE bool blocks_ray(const Block& block, const RayFrame& ray, LaneFloat li
   HitsOf<Block> hits;
   const unsigned bits = intersect_block(block, ray, limit, hits);
   return bits != 0 && (bits & lane_bits(hits.t < limit)) != 0;
+}
+
+MLT_INLINE bool blocks_ray(const QuadBlock& block, const RayFrame& ray, LaneFloat limit) {
+  LaneFloat entries;
+  unsigned bits = entered_boxes(block.planes, ray, limit, entries);
+  while (bits != 0) {
+    const int lane = take_lowest(bits);
+    QuadHit met;
+    if (cross_quad(block.quads[lane], ray, met) && met.t < limit[0] && entries[lane] < limit[0]) return true;
+  }
+  return false;
 }
 
 template <class Block>
@@ -125,9 +157,9 @@ template <bool kGeneral>
   const int lane = static_cast<int>(hit.slot % kLanes);
   if constexpr (kGeneral) {
     if (hit.primitive >= first_sphere_) return sphere_point(spheres_.blocks[block], lane, ray, hit.t);
-    if (hit.primitive >= first_triangle_) return polygon_point(triangles_.blocks[block], lane, 1, hit);
+    if (hit.primitive >= first_in_triangles_) return triangle_point(triangles_.blocks[block], lane, hit);
   }
-  return polygon_point(quads_.blocks[block], lane, (hit.slot & kSecondTriangle) != 0 ? 3 : 1, hit);
+  return quad_point(quads_.blocks[block].quads[lane], (hit.slot & kSecondTriangle) != 0, hit);
 }
 
 }  // namespace mlt

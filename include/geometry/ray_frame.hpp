@@ -56,8 +56,7 @@ struct RayFrame {
   RayFrame(const Ray& ray, float extent);
 
   const Ray* ray;
-  int axis_x, axis_y, axis_z;
-  LaneFloat origin_x, origin_y, origin_z, shear_x, shear_y, inverse_z;  ///< as RayShear
+  RayShear shear;
 
   LaneFloat origin[3], direction[3];  ///< for spheres
 
@@ -66,36 +65,29 @@ struct RayFrame {
   int near_side[3];  ///< 0 where a box is entered by its low plane, 1 by its high plane
 };
 
-MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r) {
-  const RayShear shear(r);
-  axis_x = shear.axis_x;
-  axis_y = shear.axis_y;
-  axis_z = shear.axis_z;
-  origin_x = broadcast(shear.origin_x);
-  origin_y = broadcast(shear.origin_y);
-  origin_z = broadcast(shear.origin_z);
-  shear_x = broadcast(shear.shear_x);
-  shear_y = broadcast(shear.shear_y);
-  inverse_z = broadcast(shear.inverse_z);
-
-  const float at[3] = {r.origin.x, r.origin.y, r.origin.z};
-  const float along[3] = {r.direction.x, r.direction.y, r.direction.z};
+MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r), shear(r) {
+  constexpr std::int32_t kSign = static_cast<std::int32_t>(0x80000000U);
+  const Float4 at{r.origin.x, r.origin.y, r.origin.z, 0.0f};
+  const Float4 along{r.direction.x, r.direction.y, r.direction.z, 1.0f};
   const Vec3 sizes{std::fabs(along[0]), std::fabs(along[1]), std::fabs(along[2])};
   const Vec3 distances{std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])};
   const float padding = (max_component(distances) + extent) * kBoxPadding;
   // The smallest normal number keeps reciprocals finite, even for a direction of 0.
   const float smallest = max_component(sizes) * kSmallestSlope + std::numeric_limits<float>::min();
+  const Int4 signs = std::bit_cast<Int4>(along) & kSign;
+  const Float4 slope = max4(std::bit_cast<Float4>(std::bit_cast<Int4>(along) & ~kSign), broadcast4(smallest));
+  const Float4 reciprocal = 1.0f / std::bit_cast<Float4>(std::bit_cast<Int4>(slope) | signs);
+  const Float4 signed_padding = std::bit_cast<Float4>(std::bit_cast<Int4>(broadcast4(padding)) | signs);
+  const Float4 near_at = at + signed_padding;
+  const Float4 far_at = at - signed_padding;
 #pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
     origin[axis] = broadcast(at[axis]);
     direction[axis] = broadcast(along[axis]);
-    const float size = std::fabs(along[axis]);
-    const float slope = size > smallest ? size : smallest;
-    const float signed_padding = std::copysign(padding, along[axis]);
-    near_origin[axis] = broadcast(at[axis] + signed_padding);
-    far_origin[axis] = broadcast(at[axis] - signed_padding);
-    inverse[axis] = broadcast(1.0f / std::copysign(slope, along[axis]));
-    near_side[axis] = std::signbit(along[axis]) ? 1 : 0;
+    near_origin[axis] = broadcast(near_at[axis]);
+    far_origin[axis] = broadcast(far_at[axis]);
+    inverse[axis] = broadcast(reciprocal[axis]);
+    near_side[axis] = signs[axis] != 0 ? 1 : 0;
   }
 }
 

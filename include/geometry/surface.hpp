@@ -3,8 +3,9 @@
 
 #include <cmath>
 
-#include "geometry/polygon.hpp"
+#include "geometry/quad_block.hpp"
 #include "geometry/sphere.hpp"
+#include "geometry/triangle_block.hpp"
 
 namespace mlt {
 
@@ -17,28 +18,19 @@ inline Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return Vec3{normalize(cross(DVec3{b} - from, DVec3{c} - from))};
 }
 
-MLT_INLINE Vec3 front_normal(const PolygonBlock<3>& block, int lane) {
-  return unit_normal(block.corner(0, lane), block.corner(1, lane), block.corner(2, lane));
-}
-MLT_INLINE Vec3 front_normal(const PolygonBlock<4>& block, int lane) {
-  return Vec3{block.normals.axis[0][lane], block.normals.axis[1][lane], block.normals.axis[2][lane]};
-}
-
-/// The point a + v (m - a) + w (c - a), m being corner `middle`, 1 or 3.
+/// The point a + v (m - a) + w (c - a), m being the corner `middle`, b or d.
 ///
 /// Rounding: with u = 2^-24 and E the sum of the absolute edges, each coordinate is off by u|p| + 4uE, and by
 /// another u|p| after the offset is added. The polygon test of a ray that leaves from there sees corners
 /// moved by up to 7uE (ray_frame.hpp), along a normal whose components sum to at most sqrt(3). The bound is
 /// their sum with a little to spare.
-template <int kVertices>
-MLT_INLINE SurfacePoint polygon_point(const PolygonBlock<kVertices>& block, int lane, int middle,
+MLT_INLINE SurfacePoint polygon_point(const Vec3& a, const Vec3& middle, const Vec3& c, const Vec3& normal,
                                       const Hit& hit) {
-  const Vec3 a = block.corner(0, lane);
-  const Vec3 to_middle = block.corner(middle, lane) - a;
-  const Vec3 to_c = block.corner(2, lane) - a;
+  const Vec3 to_middle = middle - a;
+  const Vec3 to_c = c - a;
   SurfacePoint point;
   point.position = a + (to_middle * hit.weights[0] + to_c * hit.weights[1]);
-  point.normal = front_normal(block, lane);
+  point.normal = normal;
   const Vec3 along{std::fabs(point.position.x * point.normal.x), std::fabs(point.position.y * point.normal.y),
                    std::fabs(point.position.z * point.normal.z)};
   const Vec3 edges{std::fabs(to_middle.x) + std::fabs(to_c.x), std::fabs(to_middle.y) + std::fabs(to_c.y),
@@ -46,6 +38,18 @@ MLT_INLINE SurfacePoint polygon_point(const PolygonBlock<kVertices>& block, int 
   point.offset_bound =
       kUnitRoundoff * (4.0f * ((along.x + along.y) + along.z) + 24.0f * max_component(edges));
   return point;
+}
+
+MLT_INLINE SurfacePoint triangle_point(const TriangleBlock& block, int lane, const Hit& hit) {
+  const Vec3 a = block.corner(0, lane);
+  const Vec3 b = block.corner(1, lane);
+  const Vec3 c = block.corner(2, lane);
+  return polygon_point(a, b, c, unit_normal(a, b, c), hit);
+}
+
+MLT_INLINE SurfacePoint quad_point(const QuadRecord& quad, bool second, const Hit& hit) {
+  return polygon_point(quad.corner(0), quad.corner(second ? 3 : 1), quad.corner(2),
+                       Vec3{quad.normal[0], quad.normal[1], quad.normal[2]}, hit);
 }
 
 /// The point is moved along its radius onto the sphere, off by 5u radius + u|p|. A ray that leaves from there

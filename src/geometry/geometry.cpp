@@ -57,47 +57,70 @@ void set_corner(LaneFloat* x, LaneFloat* y, LaneFloat* z, int lane, const Vec3& 
   (*z)[lane] = p.z;
 }
 
-template <int kVertices>
-void set_corner(PolygonBlock<kVertices>& block, int vertex, int lane, const Vec3& p) {
+void set_corner(TriangleBlock& block, int vertex, int lane, const Vec3& p) {
   set_corner(&block.corners[0][vertex], &block.corners[1][vertex], &block.corners[2][vertex], lane, p);
 }
 
-void set_lane(PolygonBlock<3>& block, int lane, const Triangle& t) {
+void set_lane(TriangleBlock& block, int lane, const Triangle& t, std::uint32_t primitive) {
   set_corner(block, 0, lane, t.a);
   set_corner(block, 1, lane, t.b);
   set_corner(block, 2, lane, t.c);
+  block.primitive[lane] = primitive;
 }
 
-void set_lane(PolygonBlock<4>& block, int lane, const Quad& q) {
-  set_corner(block, 0, lane, q.a);
-  set_corner(block, 1, lane, q.b);
-  set_corner(block, 2, lane, q.c);
-  set_corner(block, 3, lane, q.d);
-  set_corner(&block.normals.axis[0], &block.normals.axis[1], &block.normals.axis[2], lane,
-             unit_normal(q.a, q.b, q.c));
+void set_box(QuadBlock& block, int lane, const Bounds& b) {
+  set_corner(&block.planes[0][0], &block.planes[1][0], &block.planes[2][0], lane, b.low);
+  set_corner(&block.planes[0][1], &block.planes[1][1], &block.planes[2][1], lane, b.high);
 }
 
-void set_lane(SphereBlock& block, int lane, const Sphere& s) {
+void set_lane(QuadBlock& block, int lane, const Quad& q, std::uint32_t primitive) {
+  set_box(block, lane, bounds_of(q));
+  QuadRecord& record = block.quads[lane];
+  const Vec3 corners[4] = {q.a, q.b, q.c, q.d};
+  const Vec3 normal = unit_normal(q.a, q.b, q.c);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int vertex = 0; vertex < 4; ++vertex) record.corners[axis][vertex] = corners[vertex][axis];
+    record.normal[axis] = normal[axis];
+  }
+  record.primitive = primitive;
+}
+
+void set_lane(SphereBlock& block, int lane, const Sphere& s, std::uint32_t primitive) {
   set_corner(&block.center[0], &block.center[1], &block.center[2], lane, s.center);
   block.radius[lane] = s.radius;
+  block.primitive[lane] = primitive;
 }
 
-template <int kVertices>
-void clear_lane(PolygonBlock<kVertices>& block, int lane) {
-  for (int i = 0; i < kVertices; ++i) set_corner(block, i, lane, Vec3{kNaN, kNaN, kNaN});
-  block.primitive[lane] = kNoPrimitive;
+void clear_lane(TriangleBlock& block, int lane) {
+  const Vec3 nowhere{kNaN, kNaN, kNaN};
+  set_lane(block, lane, Triangle{nowhere, nowhere, nowhere}, kNoPrimitive);
 }
-
+void clear_lane(QuadBlock& block, int lane) {
+  set_box(block, lane, Bounds{Vec3{kNaN, kNaN, kNaN}, Vec3{kNaN, kNaN, kNaN}});
+  block.quads[lane] = QuadRecord{};
+}
 void clear_lane(SphereBlock& block, int lane) {
-  set_lane(block, lane, Sphere{Vec3{kNaN, kNaN, kNaN}, kNaN});
-  block.primitive[lane] = kNoPrimitive;
+  set_lane(block, lane, Sphere{Vec3{kNaN, kNaN, kNaN}, kNaN}, kNoPrimitive);
 }
+
+/// Quads, and triangles as quads after them.
+struct PolygonList {
+  std::span<const Quad> quads;
+  std::span<const Triangle> triangles;
+
+  std::size_t size() const { return quads.size() + triangles.size(); }
+  Quad operator[](std::size_t i) const {
+    if (i < quads.size()) return quads[i];
+    const Triangle& t = triangles[i - quads.size()];
+    return Quad{t.a, t.b, t.c, t.a};
+  }
+};
 
 /// The primitives of one kind while they are built. `first` is the primitive index of the first shape.
-template <class Block, class Shape>
+template <class Block, class Shapes>
 struct KindBuild {
   std::span<Block> blocks;
-  std::span<const Shape> shapes;
+  Shapes shapes;
   std::uint32_t first;
 
   void write_block(std::uint32_t index, std::span<const BvhReference> references) {
@@ -108,14 +131,13 @@ struct KindBuild {
         continue;
       }
       const std::uint32_t shape = references[static_cast<std::size_t>(lane)].index;
-      set_lane(blocks[index], lane, shapes[shape]);
-      blocks[index].primitive[lane] = first + shape;
+      set_lane(blocks[index], lane, shapes[shape], first + shape);
     }
   }
 };
 
-template <class Block, class Shape>
-PrimitiveList<Block> build_flat(KindBuild<Block, Shape> build) {
+template <class Block, class Shapes>
+PrimitiveList<Block> build_flat(KindBuild<Block, Shapes> build) {
   std::uint32_t count = 0;
   BvhReference block[kLanes];
   std::uint32_t filled = 0;
@@ -129,8 +151,8 @@ PrimitiveList<Block> build_flat(KindBuild<Block, Shape> build) {
   return {build.blocks.data(), count, nullptr};
 }
 
-template <class Block, class Shape>
-PrimitiveList<Block> build_tree(KindBuild<Block, Shape> build, std::span<BvhReference> references,
+template <class Block, class Shapes>
+PrimitiveList<Block> build_tree(KindBuild<Block, Shapes> build, std::span<BvhReference> references,
                                 std::span<BvhNode> nodes) {
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
@@ -139,25 +161,29 @@ PrimitiveList<Block> build_tree(KindBuild<Block, Shape> build, std::span<BvhRefe
     references[count++] = {{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
   }
   const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
-    static_cast<KindBuild<Block, Shape>*>(context)->write_block(block, leaf);
+    static_cast<KindBuild<Block, Shapes>*>(context)->write_block(block, leaf);
   };
   const BvhSize size = build_bvh(references.first(count), nodes, LeafWriter{write, &build});
   return {build.blocks.data(), size.blocks, nodes.data()};
 }
 
-template <class Block, class Shape>
-PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, std::span<const Shape> shapes,
+template <class Block, class Shapes>
+PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, const Shapes& shapes,
                                 std::uint32_t first, float& extent) {
   MLT_CHECK_OP(shapes.size(), ==, slots.count);
-  for (const Shape& shape : shapes) {
-    const Bounds b = bounds_of(shape);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Bounds b = bounds_of(shapes[i]);
     MLT_CHECK(is_finite(b.low) && is_finite(b.high));
     extent = std::max({extent, -b.low.x, -b.low.y, -b.low.z, b.high.x, b.high.y, b.high.z});
   }
   if (slots.count == 0) return {};
-  const KindBuild<Block, Shape> build{arena.take(slots.blocks), shapes, first};
+  const KindBuild<Block, Shapes> build{arena.take(slots.blocks), shapes, first};
   if (slots.flat) return build_flat(build);
   return build_tree(build, arena.take(slots.references), arena.take(slots.nodes));
+}
+
+bool has_many_polygons(const GeometryCounts& counts, const FlatLimits& limits) {
+  return std::uint64_t{counts.quads} + counts.triangles > limits.polygons;
 }
 
 template <class Block>
@@ -184,27 +210,35 @@ KindSlots<Block> plan_kind(MemoryPlan& plan, const std::string& name, std::uint3
 }  // namespace
 
 GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, const FlatLimits& limits) {
+  const bool few = !has_many_polygons(counts, limits);
   GeometrySlots slots;
-  slots.quads = plan_kind<PolygonBlock<4>>(plan, "quads", counts.quads, limits.quads);
-  slots.triangles = plan_kind<PolygonBlock<3>>(plan, "triangles", counts.triangles, limits.triangles);
+  slots.quads = plan_kind<QuadBlock>(plan, few ? "polygons" : "quads",
+                                     few ? counts.quads + counts.triangles : counts.quads, limits.polygons);
+  slots.triangles = plan_kind<TriangleBlock>(plan, "triangles", few ? 0 : counts.triangles, 0);
   slots.spheres = plan_kind<SphereBlock>(plan, "spheres", counts.spheres, limits.spheres);
   return slots;
 }
 
 Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input) {
   Geometry geometry;
-  geometry.first_triangle_ = slots.quads.count;
+  const auto quads = static_cast<std::uint32_t>(input.quads.size());
+  const bool few = slots.quads.count == quads + input.triangles.size();
+  geometry.first_in_triangles_ = slots.quads.count;
   geometry.first_sphere_ = slots.quads.count + slots.triangles.count;
   float extent = 0.0f;
-  geometry.quads_ = build_kind(arena, slots.quads, input.quads, 0, extent);
-  geometry.triangles_ = build_kind(arena, slots.triangles, input.triangles, geometry.first_triangle_, extent);
+  geometry.quads_ = build_kind(
+      arena, slots.quads, PolygonList{input.quads, input.triangles.first(few ? input.triangles.size() : 0)},
+      0, extent);
+  geometry.triangles_ =
+      build_kind(arena, slots.triangles, few ? std::span<const Triangle>{} : input.triangles,
+                 geometry.first_in_triangles_, extent);
   geometry.spheres_ = build_kind(arena, slots.spheres, input.spheres, geometry.first_sphere_, extent);
   geometry.extent_ = extent;
   return geometry;
 }
 
 bool Geometry::is_general(const GeometryCounts& counts, const FlatLimits& limits) {
-  return counts.triangles > 0 || counts.spheres > 0 || counts.quads > limits.quads;
+  return counts.spheres > 0 || has_many_polygons(counts, limits);
 }
 
 }  // namespace mlt

@@ -140,9 +140,9 @@ TEST_CASE("memory of a mesh: at most 80 bytes a triangle, and 32 of scratch") {
   static_cast<void>(Geometry::plan(plan, GeometryCounts{0, count, 0}));
   CHECK(plan.bytes(Lifetime::kScene) <= std::size_t{80} * count);
   CHECK(plan.bytes(Lifetime::kScratch) <= std::size_t{32} * count + kCacheLine);
-  CHECK(Geometry::is_general(GeometryCounts{0, 1, 0}));
-  CHECK(Geometry::is_general(GeometryCounts{FlatLimits{}.quads + 1, 0, 0}));
-  CHECK_FALSE(Geometry::is_general(GeometryCounts{FlatLimits{}.quads, 0, 0}));
+  CHECK(Geometry::is_general(GeometryCounts{0, 0, 1}));
+  CHECK(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons, 1, 0}));
+  CHECK_FALSE(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons - 1, 1, 0}));
   MemoryPlan none;
   static_cast<void>(Geometry::plan(none, GeometryCounts{}));
   CHECK(none.lines().empty());
