@@ -36,15 +36,21 @@ struct RayShear {
 MLT_INLINE RayShear::RayShear(const Ray& ray) {
   const float origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
   const float direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  axis_z = std::fabs(direction[1]) > std::fabs(direction[0]) ? 1 : 0;
-  axis_z = std::fabs(direction[2]) > std::fabs(direction[axis_z]) ? 2 : axis_z;
+  const Vec3 size{std::fabs(direction[0]), std::fabs(direction[1]), std::fabs(direction[2])};
+  // The first of the largest components, looked up by three comparisons: two bits for each outcome. Rays
+  // differ too much in it for a branch to be predicted.
+  const unsigned order =
+      (size.y > size.x ? 1U : 0U) | (size.z > size.x ? 2U : 0U) | (size.z > size.y ? 4U : 0U);
+  constexpr unsigned kLargest =
+      0U << 0 | 1U << 2 | 2U << 4 | 1U << 6 | 0U << 8 | 2U << 10 | 2U << 12 | 2U << 14;
+  axis_z = static_cast<int>(kLargest >> (2U * order) & 3U);
   axis_x = axis_z == 2 ? 0 : axis_z + 1;
   axis_y = axis_x == 2 ? 0 : axis_x + 1;
   origin_x = origin[axis_x];
   origin_y = origin[axis_y];
   origin_z = origin[axis_z];
-  // A direction of 0 becomes NaN, which no test accepts.
-  const float z = direction[axis_z] != 0.0f ? direction[axis_z] : std::numeric_limits<float>::quiet_NaN();
+  // A direction of 0 makes the shear NaN, which no test accepts.
+  const float z = direction[axis_z];
   shear_x = direction[axis_x] / z;
   shear_y = direction[axis_y] / z;
   inverse_z = 1.0f / z;
@@ -75,6 +81,7 @@ MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r), shear(r) {
   // The smallest normal number keeps reciprocals finite, even for a direction of 0.
   const float smallest = max_component(sizes) * kSmallestSlope + std::numeric_limits<float>::min();
   const Int4 signs = std::bit_cast<Int4>(along) & kSign;
+  const unsigned backwards = lane_bits4(signs);
   const Float4 slope = max4(std::bit_cast<Float4>(std::bit_cast<Int4>(along) & ~kSign), broadcast4(smallest));
   const Float4 reciprocal = 1.0f / std::bit_cast<Float4>(std::bit_cast<Int4>(slope) | signs);
   const Float4 signed_padding = std::bit_cast<Float4>(std::bit_cast<Int4>(broadcast4(padding)) | signs);
@@ -87,7 +94,7 @@ MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r), shear(r) {
     near_origin[axis] = broadcast(near_at[axis]);
     far_origin[axis] = broadcast(far_at[axis]);
     inverse[axis] = broadcast(reciprocal[axis]);
-    near_side[axis] = signs[axis] != 0 ? 1 : 0;
+    near_side[axis] = static_cast<int>(backwards >> axis & 1U);
   }
 }
 

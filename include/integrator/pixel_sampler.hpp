@@ -12,11 +12,10 @@
 namespace mlt {
 
 constexpr std::uint32_t reverse_bits(std::uint32_t x) {
-  x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
-  x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
+  x = __builtin_bswap32(x);
   x = ((x >> 4) & 0x0f0f0f0fU) | ((x & 0x0f0f0f0fU) << 4);
-  x = ((x >> 8) & 0x00ff00ffU) | ((x & 0x00ff00ffU) << 8);
-  return (x >> 16) | (x << 16);
+  x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
+  return ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
 }
 
 /// Hash in which each bit is influenced by lower bits only [Laine11]; on bit-reversed numbers it is an Owen
@@ -31,17 +30,15 @@ constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-  return reverse_bits(laine_karras(reverse_bits(x), seed));
-}
-
-/// Second dimension of the Sobol' sequence, 32 fraction bits; the first is reverse_bits(index) [Kollig02].
-constexpr std::uint32_t sobol_second(std::uint32_t index) {
-  std::uint32_t result = 0;
-  for (std::uint32_t column = 1U << 31; index != 0; index >>= 1, column ^= column >> 1) {
-    if ((index & 1U) != 0) result ^= column;
-  }
-  return result;
+/// The second dimension of the Sobol' sequence with its 32 fraction bits reversed; the first, so reversed, is
+/// the index itself [Kollig02]. The generator matrix is Pascal's triangle modulo 2, the product of five
+/// sparse matrices.
+constexpr std::uint32_t reversed_sobol_second(std::uint32_t index) {
+  index ^= (index & 0xffff0000U) >> 16;
+  index ^= (index & 0xff00ff00U) >> 8;
+  index ^= (index & 0xf0f0f0f0U) >> 4;
+  index ^= (index & 0xccccccccU) >> 2;
+  return index ^ (index & 0xaaaaaaaaU) >> 1;
 }
 
 class PixelSampler : public FloatSamples<PixelSampler> {
@@ -58,7 +55,7 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
     x_ = x;
     y_ = y;
-    sample_ = sample;
+    reversed_sample_ = reverse_bits(sample);
     dimension_ = 0;
     pixel_key_ = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
   }
@@ -67,7 +64,7 @@ class PixelSampler : public FloatSamples<PixelSampler> {
     if (dimension_ < 2) return next_film_coordinate();
     const std::uint64_t key = dimension_key();
     dimension_ += 1;
-    return owen_scramble(reverse_bits(shuffled_index(key)), static_cast<std::uint32_t>(key >> 32));
+    return reverse_bits(laine_karras(shuffled_index(key), static_cast<std::uint32_t>(key >> 32)));
   }
 
   Vec2 next_2d() {
@@ -87,14 +84,15 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   std::uint64_t dimension_key() const { return mix64(pixel_key_ + 0x9e3779b97f4a7c15ULL * (dimension_ + 1)); }
 
   std::uint32_t shuffled_index(std::uint64_t key) const {
-    return owen_scramble(sample_, static_cast<std::uint32_t>(key)) & index_mask_;
+    return reverse_bits(laine_karras(reversed_sample_, static_cast<std::uint32_t>(key))) & index_mask_;
   }
 
   PairSample sobol_pair(std::uint64_t key) const {
     const std::uint32_t index = shuffled_index(key);
     const std::uint64_t scrambles = mix64(key);
-    return {owen_scramble(reverse_bits(index), static_cast<std::uint32_t>(scrambles)),
-            owen_scramble(sobol_second(index), static_cast<std::uint32_t>(scrambles >> 32))};
+    return {reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))),
+            reverse_bits(
+                laine_karras(reversed_sobol_second(index), static_cast<std::uint32_t>(scrambles >> 32)))};
   }
 
   /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at
@@ -114,7 +112,7 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   std::uint64_t seed_;
   std::uint32_t width_, height_;
   std::uint32_t index_mask_ = 0;
-  std::uint32_t x_ = 0, y_ = 0, sample_ = 0;
+  std::uint32_t x_ = 0, y_ = 0, reversed_sample_ = 0;
   std::uint32_t dimension_ = 0;
   std::uint64_t pixel_key_ = 0;
 };

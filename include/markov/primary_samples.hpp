@@ -31,16 +31,18 @@ class StepSource {
  public:
   StepSource(BlockRng rng, FillSteps fill) : rng_(rng), fill_(fill) {}
 
+  bool empty() const { return used_ == kStock; }
+  /// Must not be empty.
+  std::uint32_t take() { return steps_[used_++]; }
   std::uint32_t next() {
-    if (used_ == kStock) [[unlikely]]
-      refill();
-    return steps_[used_++];
+    if (empty()) refill();
+    return take();
   }
 
  private:
   static constexpr std::uint32_t kStock = 4 * kBlockDraws;
 
-  [[gnu::noinline]] void refill() {
+  void refill() {
     for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) fill_(rng_, steps_ + first);
     used_ = 0;
   }
@@ -75,6 +77,7 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
     mode_ = Mode::kInitial;
     cursor_ = 0;
     saved_count_ = 0;
+    current_time_ = kNever;
   }
   void end_initial() { mode_ = Mode::kSmall; }
 
@@ -82,6 +85,7 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
     mode_ = large_step ? Mode::kLarge : Mode::kSmall;
     cursor_ = 0;
     saved_count_ = 0;
+    current_time_ = large_step ? kNever : time_;
     time_ += 1;
   }
 
@@ -89,21 +93,12 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
     MLT_CHECK_OP(cursor_, <, samples_.size());
     const std::uint32_t index = cursor_++;
     PrimarySample& sample = samples_[index];
-    if (mode_ == Mode::kInitial) [[unlikely]] {
-      sample = PrimarySample{time_, initial_.next_fixed()};
-      return sample.value;
-    }
-    std::uint32_t value = 0;
-    if (mode_ == Mode::kLarge) {
-      save(sample, index);
-      value = rng_.next_fixed();
-    } else {
-      if (sample.time + 1 != time_) catch_up(sample);
-      save(sample, index);
-      value = sample.value + steps_.next();
-    }
-    sample = PrimarySample{time_, value};
-    return value;
+    // Most often: a small step of a sample that is up to date.
+    if (sample.time != current_time_ || steps_.empty()) [[unlikely]]
+      return propose(sample, index);
+    saved_[saved_count_++] = SavedSample{sample.time, sample.value, index};
+    sample.time = time_;
+    return sample.value += steps_.take();
   }
 
   void skip(std::uint32_t count) { cursor_ += count; }
@@ -125,8 +120,18 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
  private:
   enum class Mode : std::uint8_t { kInitial, kLarge, kSmall };
 
-  void save(const PrimarySample& sample, std::uint32_t index) {
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
+  [[gnu::noinline]] std::uint32_t propose(PrimarySample& sample, std::uint32_t index) {
+    if (mode_ == Mode::kInitial) {
+      sample = PrimarySample{time_, initial_.next_fixed()};
+      return sample.value;
+    }
+    if (mode_ == Mode::kSmall) catch_up(sample);
     saved_[saved_count_++] = SavedSample{sample.time, sample.value, index};
+    sample.time = time_;
+    sample.value = mode_ == Mode::kLarge ? rng_.next_fixed() : sample.value + steps_.next();
+    return sample.value;
   }
 
   /// Brings a sample to the current state, one step before the proposal. A sample older than the last large
@@ -143,6 +148,7 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
   StepSource steps_;
   Rng initial_;
   std::uint64_t time_;
+  std::uint64_t current_time_ = kNever;  ///< of samples that a small step need not bring up to date
   std::uint64_t large_step_time_;
   std::uint32_t cursor_ = 0;
   std::uint32_t saved_count_ = 0;

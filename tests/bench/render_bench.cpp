@@ -58,7 +58,8 @@ RenderStatistics render(const Job& job) {
   return renderer.run(stop, nullptr, nullptr);
 }
 
-/// Processor microseconds per sample or mutation; the bootstrap is a part of the mutations.
+/// Processor microseconds per sample or mutation; the bootstrap, a tenth as many paths, is a part of the
+/// mutations.
 double microseconds_each(const Job& job) {
   const RenderStatistics statistics = render(job);
   const std::uint64_t units =
@@ -71,9 +72,9 @@ double mutation_nanoseconds() {
   constexpr int kSteps = 200000;
   std::vector<PrimarySample> samples(kSamples);
   std::vector<SavedSample> saved(kSamples);
-  PrimarySampleVector vector(samples, saved, Rng(1, StreamPurpose::kTest, 0),
-                             StepSource(BlockRng(1, StreamPurpose::kTest, 1),
-                                        &Mutation<MutationKind::kelemen>::fill<BlockRng>));
+  PrimarySampleVector vector(
+      samples, saved, Rng(1, StreamPurpose::kTest, 0),
+      StepSource(BlockRng(1, StreamPurpose::kTest, 1), &Mutation<MutationKind::kelemen>::fill<BlockRng>));
   std::uint32_t sum = 0;
   const double begin = seconds_now();
   for (int step = 0; step < kSteps; ++step) {
@@ -84,6 +85,17 @@ double mutation_nanoseconds() {
   const double seconds = seconds_now() - begin;
   // The sum keeps the loop from being removed.
   return sum == 1 ? 0.0 : 1e9 * seconds / kSteps;
+}
+
+/// One draw of the scalar generator, each of which waits for the one before: a measure of the core's clock.
+double draw_nanoseconds() {
+  constexpr int kDraws = 5000000;
+  Rng rng(1, StreamPurpose::kTest, 2);
+  std::uint32_t sum = 0;
+  const double begin = seconds_now();
+  for (int i = 0; i < kDraws; ++i) sum ^= rng.next_fixed();
+  const double seconds = seconds_now() - begin;
+  return sum == 1 ? 0.0 : 1e9 * seconds / kDraws;
 }
 
 double splat_nanoseconds() {
@@ -102,7 +114,7 @@ void add_renders(std::vector<Row>& rows, const std::string& name, const SceneDes
     const auto instruction_set = static_cast<InstructionSet>(set);
     const std::string suffix = set == 0 ? ", base" : ", AVX2";
     const Job path{&scene, IntegratorKind::path, 128, 16, 1, instruction_set};
-    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 16, 1, instruction_set};
+    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 64, 1, instruction_set};
     rows.push_back(
         {name + ", path-tracer sample" + suffix, "us", [path] { return microseconds_each(path); }});
     rows.push_back(
@@ -117,6 +129,7 @@ int run() {
   add_renders(rows, "Cornell box, depth 5", box);
   add_renders(rows, "mesh, depth 5", mesh);
   rows.push_back({"mutation of 30 primary samples", "ns", &mutation_nanoseconds});
+  rows.push_back({"draw of the scalar generator", "ns", &draw_nanoseconds});
   rows.push_back({"splat at a random pixel", "ns", &splat_nanoseconds});
   const Job one{&box, IntegratorKind::pssmlt, 256, 32, 1, best_instruction_set()};
   rows.push_back({"two threads over one, Cornell box", "x", [one] {
