@@ -13,9 +13,10 @@ namespace mlt {
 struct RenderCommand {
   std::string scene;
   RenderRequest request;
-  std::vector<std::string> outputs;  ///< image files; never empty
-  std::optional<std::string> stats;  ///< JSON file
-  float exposure = 0;                ///< EV
+  std::vector<std::string> outputs;        ///< image files; never empty
+  std::optional<std::string> stats;        ///< JSON file
+  std::optional<std::string> error_image;  ///< PFM or PNG file of standard errors
+  float exposure = 0;                      ///< EV
   bool quiet = false;
   std::vector<std::string> warnings;  ///< options that were accepted and have no effect
 };

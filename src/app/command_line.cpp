@@ -18,7 +18,7 @@
 namespace mlt {
 namespace {
 
-constexpr double kMaxRelMseLimit = 1e30;
+constexpr double kMaxLimit = 1e30;
 constexpr float kMaxExposure = 64;  // 2^64 brings the smallest radiance worth showing to 1
 
 [[noreturn]] void fail(const std::string& place, const std::string& message) {
@@ -130,6 +130,10 @@ class RequestReader {
       diagnostics_.push_back(
           {"--mutations", 0, 0, "found together with --spp, which means the same; expected one"});
     }
+    integer("--rounds", 1, kMaxSamplesPerPixel, request.rounds);
+    integer("--max-mutations", 1, kMaxSamplesPerPixel, request.max_per_pixel);
+    request.target_error = positive("--target-error");
+    request.seconds = positive("--time");
     integer("--depth", 1, kMaxDepth, request.depth);
     integer("--threads", 1, kMaxThreads, request.threads);
     integer("--seed", 0, std::numeric_limits<std::uint64_t>::max(), request.seed);
@@ -175,6 +179,11 @@ class RequestReader {
   template <class T>
   static T target_value(const std::optional<T>&);
   static std::uint64_t target_value(const std::uint64_t&);
+
+  std::optional<double> positive(const char* name) {
+    if (!words_.has(name)) return std::nullopt;
+    return parse_double(name, words_.get(name), std::numeric_limits<double>::min(), kMaxLimit, diagnostics_);
+  }
 
   template <class Kind>
   void choose(const char* name, const std::vector<NamedKind>& kinds, Kind& chosen) {
@@ -246,6 +255,7 @@ Command parse_render(const Words& words) {
   }
   command.quiet = words.has("--quiet");
   if (words.has("--stats")) command.stats = words.get("--stats");
+  if (words.has("--error-image")) command.error_image = words.get("--error-image");
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.scene = words.positional.front();
   command.outputs = words.has("--output") ? words.options.at("--output")
@@ -270,8 +280,7 @@ Command parse_compare(const Words& words) {
   CompareCommand command;
   check_positional("mlt compare", words.positional, {"A.pfm", "B.pfm"}, diagnostics);
   if (words.has("--max-relmse")) {
-    command.max_rel_mse =
-        parse_double("--max-relmse", words.get("--max-relmse"), 0, kMaxRelMseLimit, diagnostics);
+    command.max_rel_mse = parse_double("--max-relmse", words.get("--max-relmse"), 0, kMaxLimit, diagnostics);
   }
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.image = words.positional[0];

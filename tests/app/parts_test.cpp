@@ -158,16 +158,22 @@ TEST_CASE("the canonical command parses back to the job it was made from") {
   job.start = StartKind::first_hit;
   job.mutation = MutationKind::gaussian;
   job.roulette = 0;
-  const std::string command = canonical_command("-a'b.txt", job, 0);
+  const std::string command = canonical_command("-a'b.txt", job, 0, 1);
   CHECK(
       command ==
       "mlt render './-a'\\''b.txt' --integrator pssmlt --mutations 5 --width 3 --height 4 --depth 6 --seed 8 "
       "--chains 9 --bootstrap 10 --large-step 0.1 --start first-hit --mutation gaussian --roulette off");
   job.integrator = IntegratorKind::path;
   job.roulette = 5;
-  CHECK(canonical_command("s", job, 0.5f) ==
+  CHECK(canonical_command("s", job, 0.5f, 1) ==
         "mlt render s --integrator path --spp 5 --width 3 --height 4 --depth 6 --seed 8 --roulette 5 "
         "--exposure 0.5");
+  // Rounds that ended by error or time are counted.
+  job.in_rounds = true;
+  job.max_rounds = 100;
+  CHECK(canonical_command("s", job, 0, 3) ==
+        "mlt render s --integrator path --spp 5 --width 3 --height 4 --depth 6 --seed 8 --rounds 3 "
+        "--roulette 5");
 }
 
 TEST_CASE("the peak of memory is that of this process") {
