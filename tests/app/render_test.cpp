@@ -130,7 +130,7 @@ TEST_CASE("an image of one pixel, and one of one row, are rendered") {
                     "--spp", "16", "-q", "-o", "one.pfm"});
     CHECK(result.error == "");
     CHECK(result.code == code_of(ExitCode::kOk));
-    const PfmImage image = read_pfm(folder / "one.pfm");
+    const LoadedImage image = read_pfm(folder / "one.pfm");
     CHECK(image.image.width == 1);
     CHECK(image.image.pixels[0].x > 0);
   }
@@ -145,7 +145,7 @@ TEST_CASE("pitfall 6: a scene without light renders black with a warning and exi
         {"render", "dark.txt", "--integrator", integrator, "--spp", "2", "-o", "d.pfm", "--stats", "d.json"});
     CHECK(result.code == code_of(ExitCode::kOk));
     CHECK_THAT(result.error, Catch::Contains("warning") && Catch::Contains("black"));
-    const PfmImage image = read_pfm(folder / "d.pfm");
+    const LoadedImage image = read_pfm(folder / "d.pfm");
     CHECK(image.non_finite == 0);
     for (const Vec3& pixel : image.image.pixels) CHECK(is_zero(pixel));
     const auto statistics = read_statistics(folder / "d.json");

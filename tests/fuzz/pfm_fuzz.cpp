@@ -43,7 +43,7 @@ class MemoryFile {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const MemoryFile file(data, size);
   try {
-    const mlt::PfmImage read = mlt::read_pfm(file.path());
+    const mlt::LoadedImage read = mlt::read_pfm(file.path());
     require(read.image.width > 0 && read.image.height > 0);
     require(read.image.pixels.size() == std::size_t{read.image.width} * read.image.height);
     require(read.non_finite <= read.image.pixels.size());
