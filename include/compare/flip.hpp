@@ -37,6 +37,7 @@ struct FlipOptions {
   double exposure = 0;  ///< EV, for LDR
   /// EV, for HDR: both of them, or neither to take them from the reference.
   std::optional<double> start_exposure, stop_exposure;
+  std::uint32_t threads = 1;  ///< at least 1; without influence on the figures
 };
 
 struct FlipResult {

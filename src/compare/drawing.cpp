@@ -102,6 +102,19 @@ std::vector<std::pair<double, std::string>> labels_of(const NumberMap& map) {
   return labels;
 }
 
+/// A line around the rectangle of this size at (left, top), outside of it.
+void draw_frame(Picture& picture, std::uint32_t left, std::uint32_t top, std::uint64_t width,
+                std::uint64_t height) {
+  for (std::uint32_t x = 0; x < width + 2; ++x) {
+    set_pixel(picture, left - 1 + x, top - 1, kInk);
+    set_pixel(picture, left - 1 + x, top + static_cast<std::uint32_t>(height), kInk);
+  }
+  for (std::uint32_t y = 0; y < height + 2; ++y) {
+    set_pixel(picture, left - 1, top - 1 + y, kInk);
+    set_pixel(picture, left + static_cast<std::uint32_t>(width), top - 1 + y, kInk);
+  }
+}
+
 /// The bar of all colours in a frame, with a tick and a label for each value, its left edge at x.
 void draw_bar(Picture& picture, const NumberMap& map, std::uint32_t left, std::uint32_t top,
               std::uint32_t height) {
@@ -186,6 +199,7 @@ Picture draw_map(const NumberMap& map) {
       set_pixel(picture, kMargin + x, kTitleHeight + y, {bytes[0], bytes[1], bytes[2]});
     }
   }
+  draw_frame(picture, kMargin, kTitleHeight, map_width, map_height);
   draw_bar(picture, map, static_cast<std::uint32_t>(map_width) + 2 * kMargin, kTitleHeight,
            static_cast<std::uint32_t>(body));
   return picture;

@@ -1,6 +1,10 @@
 #include "compare/flip.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <system_error>
+#include <thread>
 
 #include "base/assert.hpp"
 #include "compare/flip_colour.hpp"
@@ -27,23 +31,72 @@ double pixel_error(const FilteredRows& a, const FilteredRows& b, std::size_t i, 
   return pow_d(colour, feature < 1 ? 1 - feature : 0.0);
 }
 
-/// Raises `map` to the LDR-FLIP of both pictures where that is larger.
-void raise_to_error(const Viewed& image, const Viewed& reference, const Filters& filters,
-                    std::vector<float>& map) {
-  const double largest = largest_colour_error();
-  BandFilter band(filters);
-  FilteredRows a;
-  FilteredRows b;
-  for (std::size_t y = 0; y < image.height(); y += kBandRows) {
-    const std::size_t rows = std::min<std::size_t>(kBandRows, image.height() - y);
-    band.filter(image, y, rows, a);
-    band.filter(reference, y, rows, b);
-    float* errors = map.data() + y * image.width();
-    for (std::size_t i = 0; i < rows * image.width(); ++i) {
-      errors[i] = std::max(errors[i], static_cast<float>(pixel_error(a, b, i, largest)));
+/// The work of compute_flip: bands of rows, each of which several threads may do; which one does is without
+/// influence on the figures.
+class BandQueue {
+ public:
+  BandQueue(const ImageView& image, const ImageView& reference, const FlipOptions& options,
+            FlipResult& result)
+      : image_(image),
+        reference_(reference),
+        filters_(make_filters(options.pixels_per_degree)),
+        largest_(largest_colour_error()),
+        result_(result) {}
+
+  /// Takes bands until none is left.
+  void work() {
+    BandFilter band(filters_);
+    FilteredRows a;
+    FilteredRows b;
+    for (std::size_t y = next_.fetch_add(kBandRows); y < image_.height; y = next_.fetch_add(kBandRows)) {
+      const std::size_t rows = std::min<std::size_t>(kBandRows, image_.height - y);
+      float* errors = result_.map.data() + y * image_.width;
+      for (std::uint32_t i = 0; i < result_.exposures; ++i) {
+        band.filter(Viewed(image_, result_.mode, exposure(i)), y, rows, a);
+        band.filter(Viewed(reference_, result_.mode, exposure(i)), y, rows, b);
+        for (std::size_t k = 0; k < rows * image_.width; ++k) {
+          errors[k] = std::max(errors[k], static_cast<float>(pixel_error(a, b, k, largest_)));
+        }
+      }
     }
   }
-}
+
+  /// work() in several threads; the first failure is thrown when all have ended.
+  void work(std::uint32_t threads) {
+    std::vector<std::exception_ptr> failures(threads);
+    const auto guarded = [&](std::uint32_t index) {
+      try {
+        work();
+      } catch (...) {
+        failures[index] = std::current_exception();
+      }
+    };
+    std::vector<std::thread> others;
+    try {
+      for (std::uint32_t i = 1; i < threads; ++i) others.emplace_back(guarded, i);
+    } catch (const std::system_error&) {
+      // The system grants no more threads; those there are take all bands.
+    }
+    guarded(0);
+    for (std::thread& other : others) other.join();
+    for (const std::exception_ptr& failure : failures) {
+      if (failure) std::rethrow_exception(failure);
+    }
+  }
+
+ private:
+  double exposure(std::uint32_t index) const {
+    const double last = std::max(1.0, static_cast<double>(result_.exposures) - 1);
+    const double range = result_.stop_exposure - result_.start_exposure;
+    return result_.start_exposure + static_cast<double>(index) * (range / last);
+  }
+
+  ImageView image_, reference_;
+  Filters filters_;
+  double largest_;
+  FlipResult& result_;
+  std::atomic<std::size_t> next_{0};
+};
 
 /// Radiance at which the tone-mapped value is 0.85: the root of (A - t C) x^2 + (B - t D) x - t E with the
 /// coefficients of the tone map (Viewed::pixel).
@@ -105,13 +158,8 @@ FlipResult compute_flip(const ImageView& image, const ImageView& reference, cons
   }
   result.start_exposure = range.start;
   result.stop_exposure = range.stop;
-  const Filters filters = make_filters(options.pixels_per_degree);
-  const double last = std::max(1.0, static_cast<double>(result.exposures) - 1);
-  for (std::uint32_t i = 0; i < result.exposures; ++i) {
-    const double exposure = range.start + static_cast<double>(i) * ((range.stop - range.start) / last);
-    raise_to_error(Viewed(image, options.mode, exposure), Viewed(reference, options.mode, exposure), filters,
-                   result.map);
-  }
+  const std::uint32_t bands = static_cast<std::uint32_t>((image.height - 1) / kBandRows + 1);
+  BandQueue(image, reference, options, result).work(std::clamp(options.threads, 1U, bands));
   double total = 0;
   for (std::uint32_t y = 0; y < image.height; ++y) {
     double row = 0;

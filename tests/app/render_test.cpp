@@ -197,35 +197,6 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
   }
 }
 
-TEST_CASE("compare prints the metrics and exits with 1 above the limit and 2 for what cannot be compared") {
-  const SceneFolder folder;
-  const ImageBuffer a{1, 1, {Vec3{2, 2, 2}}};
-  const ImageBuffer b{1, 1, {Vec3{1, 1, 1}}};
-  const ImageBuffer wide{2, 1, {Vec3{1, 1, 1}, Vec3{1, 1, 1}}};
-  const ImageBuffer bad{1, 1, {Vec3{1, NAN, 1}}};
-  write_pfm(folder / "a.pfm", a.view());
-  write_pfm(folder / "b.pfm", b.view());
-  write_pfm(folder / "wide.pfm", wide.view());
-  write_pfm(folder / "bad.pfm", bad.view());
-  const ProgramResult plain = folder.run({"compare", "a.pfm", "b.pfm"});
-  CHECK(plain.code == code_of(ExitCode::kOk));
-  // 1 / (1 + 0.01)
-  CHECK(plain.out == "MSE        1\nrelMSE     0.99009901\nmean ratio 2\n");
-  CHECK(folder.run({"compare", "a.pfm", "b.pfm", "--max-relmse", "1"}).code == code_of(ExitCode::kOk));
-  const ProgramResult above = folder.run({"compare", "--max-relmse", "0.99", "a.pfm", "b.pfm"});
-  CHECK(above.code == code_of(ExitCode::kCompareFailed));
-  CHECK_THAT(above.out, Catch::Contains("relMSE     0.99009901"));
-  CHECK_THAT(above.error, Catch::Contains("exceeds --max-relmse 0.99"));
-  CHECK(folder.run({"compare", "b.pfm", "b.pfm", "--max-relmse", "0"}).code == code_of(ExitCode::kOk));
-  const ProgramResult sizes = folder.run({"compare", "wide.pfm", "b.pfm"});
-  CHECK(sizes.code == code_of(ExitCode::kBadInput));
-  CHECK_THAT(sizes.error, Catch::Contains("wide.pfm: has 2 x 1 pixels; expected 1 x 1 as in b.pfm"));
-  const ProgramResult nan = folder.run({"compare", "bad.pfm", "b.pfm"});
-  CHECK(nan.code == code_of(ExitCode::kBadInput));
-  CHECK_THAT(nan.error, Catch::Contains("bad.pfm: 1 of 1 pixels are NaN or infinite"));
-  CHECK(folder.run({"compare", "scene.txt", "b.pfm"}).code == code_of(ExitCode::kBadInput));
-}
-
 TEST_CASE("info prints what was read, features, and the plan with its total") {
   const SceneFolder folder;
   const ProgramResult result =

@@ -168,6 +168,19 @@ TEST_CASE("FLIP is zero for equal pictures, symmetric for LDR, and survives any 
   }
 }
 
+TEST_CASE("FLIP is the same bits from any number of threads") {
+  const ImageBuffer a = scene(11, 200, 10, 9);
+  const ImageBuffer b = scene(11, 200, 10, 10);
+  FlipOptions options;
+  const FlipResult one = compute_flip(a.view(), b.view(), options);
+  for (const std::uint32_t threads : {2U, 3U, 16U}) {
+    options.threads = threads;
+    const FlipResult several = compute_flip(a.view(), b.view(), options);
+    CHECK(several.map == one.map);
+    CHECK(several.mean == one.mean);
+  }
+}
+
 TEST_CASE("exposures come from the pixels that are not black when the median is") {
   ImageBuffer image = blank(4, 1, Vec3(0.0f));
   CHECK(flip_exposures(image.view()).start == 0);
