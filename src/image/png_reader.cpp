@@ -73,6 +73,8 @@ bool decode(png_structp png, png_infop info, PngInput& input) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &input, read_bytes);
   png_set_user_limits(png, kMaxFilmSide, kMaxFilmSide);
+  // Skips all chunks that the pixels do not need: libpng would allocate what their headers claim.
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);
   input.width = png_get_image_width(png, info);
   input.height = png_get_image_height(png, info);
