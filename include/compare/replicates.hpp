@@ -1,7 +1,7 @@
 // Do two programs, or two settings, make the same picture but for noise? Replicates (renders that differ in
-// their seed alone) of both are compared by the means of square tiles: Welch's t-test for each tile and
-// channel [Welch47], all of them together by Sidak's correction [Sidak67], and a Kolmogorov-Smirnov test that
-// sees many p-values a little too small [Stephens70].
+// their seed alone) of both are compared by the means of the whole image and of square tiles: Welch's t-test
+// for each channel [Welch47], all tiles together by Sidak's correction [Sidak67], and the Kolmogorov-Smirnov
+// distance of the tiles' p-values, which sees many of them a little too small, by permutation [Janssen97].
 #pragma once
 
 #include <cstdint>
@@ -24,12 +24,18 @@ struct ReplicateTestResult {
   /// equal, 0 where nothing varies and something differs.
   std::vector<double> p_values;
   std::uint64_t tests = 0;  ///< tiles times channels in which anything varies or differs
+  double mean_p_value = 1;  ///< of the image means: the smallest of the channels', by Sidak's correction
   double smallest_p_value = 1;
   std::uint32_t smallest_x = 0, smallest_y = 0;  ///< tile of the smallest, in pixels from the top left
   double sidak_p_value = 1;                      ///< of the smallest one among `tests`
-  double ks_distance = 0;  ///< how far the distribution of the luminance's p-values lies above uniform
+  /// How far the distribution of the p-values of the tiles' shares in the image's luminance lies above the
+  /// uniform one. Shares, since replicates of a Metropolis render differ in a common factor.
+  double ks_distance = 0;
+  /// The part of the ways to deal the replicates into two such sets that give this distance or more: tiles
+  /// depend on each other (chains visit many of them), which a table for independent ones does not know.
   double ks_p_value = 1;
-  double level = 0;  ///< each of the last two p-values rejects below it, so that alpha is kept
+  std::uint64_t relabellings = 0;  ///< ways tried, the given one included; ks_p_value is at least 1 / this
+  double level = 0;  ///< the image means, Sidak and Kolmogorov-Smirnov reject below it, which keeps alpha
   bool rejected = false;
 };
 

@@ -14,7 +14,8 @@ enum class StreamPurpose : std::uint32_t {
   kChain = 2,
   kSeedSelection = 3,
   kPixel = 4,
-  kTest = 5
+  kTest = 5,
+  kRelabelling = 16  ///< of replicates, in a permutation test
 };
 
 /// Bijective 64-bit finaliser, Stafford's mix 13 as used in SplitMix64 [Steele14].

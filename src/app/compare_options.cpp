@@ -56,8 +56,8 @@ void add_compare_options(std::vector<OptionSpec>& table) {
                   kMinPixelsPerDegree, kMaxPixelsPerDegree, kPixelsPerDegree));
   add("--exposure", "EV", "brightens both images by 2^EV for PSNR and for FLIP's ldr, -64 to 64; default 0");
   add("--test", "",
-      "compares two sets of replicates: Welch's t-test of tile means with Sidak's correction, and a "
-      "Kolmogorov-Smirnov test of the p-values; exit with code 1 when either rejects");
+      "compares two sets of replicates: Welch's t-test of the image means and of tile means with Sidak's "
+      "correction, and a Kolmogorov-Smirnov test of the p-values; exit with code 1 when one of them rejects");
   add("--alpha", "P",
       fmt::format("--test: probability of rejecting sets that do not differ; default {}",
                   ReplicateTestOptions{}.alpha));

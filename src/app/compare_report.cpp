@@ -165,11 +165,17 @@ std::string test_text(const ReplicateTestResult& result, const CompareCommand& c
   add_line(text, "tiles",
            fmt::format("{} x {} of {} pixels, {} tests", result.tiles_x, result.tiles_y,
                        command.test_options.tile, result.tests));
+  add_line(text, "mean p", fmt::format("{:.4g}", result.mean_p_value));
   add_line(text, "smallest p",
            fmt::format("{:.4g} in the tile at x {}, y {}", result.smallest_p_value, result.smallest_x,
                        result.smallest_y));
   add_line(text, "Sidak p", fmt::format("{:.4g}", result.sidak_p_value));
-  add_line(text, "KS p", fmt::format("{:.4g} (distance {:.4g})", result.ks_p_value, result.ks_distance));
+  add_line(text, "KS p",
+           fmt::format("{:.4g} (distance {:.4g}, {} relabellings)", result.ks_p_value, result.ks_distance,
+                       result.relabellings));
+  if (1 / static_cast<double>(result.relabellings) >= result.level) {
+    add_line(text, "", "too few replicates for the KS part to reject; 6 in each set suffice for alpha 0.01");
+  }
   add_line(
       text, "verdict",
       fmt::format("{}, each test at {:.4g} for alpha {:.4g}",
@@ -190,12 +196,14 @@ std::string test_json(const ReplicateTestResult& result, const CompareCommand& c
   json.add("tiles_x", std::uint64_t{result.tiles_x});
   json.add("tiles_y", std::uint64_t{result.tiles_y});
   json.add("tests", result.tests);
+  json.add("mean_p_value", result.mean_p_value);
   json.add("smallest_p_value", result.smallest_p_value);
   json.add("smallest_x", std::uint64_t{result.smallest_x});
   json.add("smallest_y", std::uint64_t{result.smallest_y});
   json.add("sidak_p_value", result.sidak_p_value);
   json.add("ks_distance", result.ks_distance);
   json.add("ks_p_value", result.ks_p_value);
+  json.add("relabellings", result.relabellings);
   json.add("level", result.level);
   json.add("rejected", result.rejected);
   return json.finish();

@@ -1,6 +1,8 @@
 // What every metric of the list owes its users, by looping over the list.
 #include "compare/metrics.hpp"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -125,6 +127,24 @@ TEST_CASE("PSNR is that of the sRGB values as displayed") {
   CHECK(psnr(0.5f, 0.3f, 0) == Approx(-20 * std::log10(srgb(0.5) - srgb(double{0.3f}))).epsilon(1e-6));
   CHECK(psnr(0.5f, 0.3f, -2) ==
         Approx(-20 * std::log10(srgb(0.125) - srgb(0.25 * double{0.3f}))).epsilon(1e-6));
+}
+
+TEST_CASE("every figure is the same bits from every compiler and machine") {
+  const MetricValues result = metrics(noise(2, 0.3f), noise(0, 0));
+  CompareOptions displayed;
+  displayed.flip.mode = FlipMode::ldr;
+  const double ldr =
+      compare_images(noise(2, 0.3f).view(), noise(0, 0).view(), displayed).metrics[MetricKind::flip];
+  // As first computed by g++ 12 at -O2 on x86-64.
+  const double expected[kMetricCount] = {0x1.81948a7aa1733p-7, 0x1.bc5100f585a12p-4, 0x1.7286f0f89abcep-4,
+                                         0x1.1aeb5c740167bp-4, 0x1.79dc38ab768aap-4, 0x1.6d7824b641b96p+4,
+                                         0x1.25995d1f92c6p-3,  0x1.17f974f384b2p-3};
+  for (std::size_t i = 0; i < kMetricCount; ++i) {
+    CAPTURE(kMetrics[i].key, fmt::format("{:a}", result.all[i]));
+    CHECK(result.all[i] == expected[i]);
+  }
+  CAPTURE(fmt::format("{:a}", ldr));
+  CHECK(ldr == 0x1.f6744d7e4b17ep-3);
 }
 
 }  // namespace
