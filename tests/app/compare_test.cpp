@@ -200,7 +200,7 @@ TEST_CASE("sets of replicates are tested") {
   CHECK_THAT(other.out, Catch::Contains("\"rejected\": true"));
   CHECK(json_number(other.out, "tiles_x") == 5);
   CHECK(json_number(other.out, "alpha") == 0.05);
-  CHECK(json_number(other.out, "ks_p_value") < 0.01);
+  CHECK(json_number(other.out, "mean_p_value") < 0.01);
   CHECK(read_png(folder / "p.png").image.width > 240);
   const ProgramResult bad =
       folder.run({"compare", "--test", "a.pfm", "x.pfm", "--", "gone.pfm", "b.pfm", "--p-picture", "a.pfm"});
