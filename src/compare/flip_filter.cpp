@@ -1,6 +1,7 @@
 #include "compare/flip_filter.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/assert.hpp"
 #include "compare/flip_colour.hpp"
@@ -18,7 +19,7 @@ constexpr double kACz2 = 13.5;
 constexpr double kBCz2 = 0.025;
 // Width of the edges and points looked for, in degrees.
 constexpr double kFeatureWidth = 0.082;
-// Pixels of a row that are filtered together, a whole number of vector registers.
+// Pixels of a row that are filtered together, in four vector registers.
 constexpr std::size_t kBlock = 8;
 
 std::size_t ceil_to_size(double x) {
@@ -53,26 +54,32 @@ void normalise_signed(Weights& weights) {
   for (double& weight : weights) weight /= weight > 0 ? positive : -negative;
 }
 
-/// A filter along a row: out[x] = sum over i of weights[i] * in[x + i].
-void convolve(const double* in, const Weights& weights, std::size_t width, double* out) {
-  for (std::size_t x = 0; x < width; x += kBlock) {
-    double sums[kBlock] = {};
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      for (std::size_t j = 0; j < kBlock; ++j) sums[j] += weights[i] * in[x + i + j];
-    }
-    for (std::size_t j = 0; j < kBlock; ++j) out[x + j] = sums[j];
-  }
+/// A register of any x86-64 or Arm; each lane does what plain code would do for its pixel.
+using Pair = double __attribute__((vector_size(16)));
+
+Pair load(const double* values) {
+  Pair pair;
+  std::memcpy(&pair, values, sizeof pair);
+  return pair;
 }
 
-/// The same along columns that are `stride` apart.
-void convolve_columns(const double* in, std::size_t stride, const Weights& weights, std::size_t width,
-                      double* out) {
+/// out[x] = sum over i of weights[i] * in[x + i * stride]: a filter along a row with a stride of 1, and along
+/// columns with that of the rows.
+void convolve(const double* in, std::size_t stride, const Weights& weights, std::size_t width, double* out) {
   for (std::size_t x = 0; x < width; x += kBlock) {
-    double sums[kBlock] = {};
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      for (std::size_t j = 0; j < kBlock; ++j) sums[j] += weights[i] * in[i * stride + x + j];
+    // Not an array, which compilers keep in memory.
+    Pair sum0{}, sum1{}, sum2{}, sum3{};
+    static_assert(kBlock == 4 * 2);
+    const double* values = in + x;
+    for (const double weight : weights) {
+      sum0 += weight * load(values);
+      sum1 += weight * load(values + 2);
+      sum2 += weight * load(values + 4);
+      sum3 += weight * load(values + 6);
+      values += stride;
     }
-    for (std::size_t j = 0; j < kBlock; ++j) out[x + j] = sums[j];
+    const Pair sums[] = {sum0, sum1, sum2, sum3};
+    std::memcpy(out + x, sums, sizeof sums);
   }
 }
 
@@ -154,13 +161,13 @@ void BandFilter::filter_row(const Viewed& picture, std::size_t y, std::size_t h)
   }
   const std::size_t colour = radius - filters_.colour_radius;
   const std::size_t feature = radius - filters_.feature_radius;
-  convolve(padded_[0].data() + colour, filters_.y, width, plane(kY, h));
-  convolve(padded_[1].data() + colour, filters_.cx, width, plane(kCx, h));
-  convolve(padded_[2].data() + colour, filters_.cz1, width, plane(kCz1, h));
-  convolve(padded_[2].data() + colour, filters_.cz2, width, plane(kCz2, h));
-  convolve(padded_[3].data() + feature, filters_.gauss, width, plane(kGauss, h));
-  convolve(padded_[3].data() + feature, filters_.first, width, plane(kFirst, h));
-  convolve(padded_[3].data() + feature, filters_.second, width, plane(kSecond, h));
+  convolve(padded_[0].data() + colour, 1, filters_.y, width, plane(kY, h));
+  convolve(padded_[1].data() + colour, 1, filters_.cx, width, plane(kCx, h));
+  convolve(padded_[2].data() + colour, 1, filters_.cz1, width, plane(kCz1, h));
+  convolve(padded_[2].data() + colour, 1, filters_.cz2, width, plane(kCz2, h));
+  convolve(padded_[3].data() + feature, 1, filters_.gauss, width, plane(kGauss, h));
+  convolve(padded_[3].data() + feature, 1, filters_.first, width, plane(kFirst, h));
+  convolve(padded_[3].data() + feature, 1, filters_.second, width, plane(kSecond, h));
 }
 
 void BandFilter::filter_columns(std::size_t width, std::size_t row, std::size_t at, FilteredRows& result) {
@@ -168,7 +175,7 @@ void BandFilter::filter_columns(std::size_t width, std::size_t row, std::size_t 
   const std::size_t feature = row + filters_.radius - filters_.feature_radius;
   double* out = columns_.data();
   const auto column = [&](int index, std::size_t from, const Weights& weights) {
-    convolve_columns(plane(index, from), stride_, weights, width, out);
+    convolve(plane(index, from), stride_, weights, width, out);
     out += stride_;
     return out - stride_;
   };
