@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/compare_command.hpp"
 #include "render/job.hpp"
 
 namespace mlt {
@@ -25,12 +26,6 @@ struct InfoCommand {
   std::string scene;
   RenderRequest request;
   std::vector<std::string> warnings;
-};
-
-struct CompareCommand {
-  std::string image;
-  std::string reference;
-  std::optional<double> max_rel_mse;
 };
 
 /// A command that only prints.

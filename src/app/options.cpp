@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/compare_command.hpp"
 #include "app/number.hpp"
 #include "image/format.hpp"
 #include "render/job.hpp"
@@ -118,12 +119,7 @@ std::vector<OptionSpec> make_table() {
   std::vector<OptionSpec> table;
   add_output_options(table);
   add_job_options(table);
-  table.push_back({"--max-relmse",
-                   "",
-                   "X",
-                   false,
-                   {CommandKind::compare},
-                   "exit with code 1 when relMSE exceeds X, a number of at least 0"});
+  add_compare_options(table);
   table.push_back({"--help",
                    "-h",
                    "",

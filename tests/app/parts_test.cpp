@@ -3,6 +3,7 @@
 
 #include "app/command_line.hpp"
 #include "app/console.hpp"
+#include "app/json.hpp"
 #include "app/number.hpp"
 #include "app/options.hpp"
 #include "app/record.hpp"
@@ -70,6 +71,25 @@ TEST_CASE("JSON strings escape what JSON does not allow and repair what is not U
   CHECK(json_string("\xED\xA0\x80") == "\"" + replaced + replaced + replaced + "\"");
   CHECK(json_string("\xF4\x90\x80\x80") == "\"" + replaced + replaced + replaced + replaced + "\"");
   CHECK(json_string("x\xFFy") == "\"x" + replaced + "y\"");
+}
+
+TEST_CASE("JSON objects and arrays nest, in the order of the calls") {
+  JsonWriter json;
+  json.add("text", "a\"b");
+  json.begin_array("list");
+  json.add(nullptr, 0.1);
+  json.add(nullptr, std::numeric_limits<double>::infinity());
+  json.begin_object();
+  json.add("flag", true);
+  json.add("count", std::numeric_limits<std::uint64_t>::max());
+  json.end_object();
+  json.end_array();
+  json.begin_array("empty");
+  json.end_array();
+  CHECK(json.finish() ==
+        "{\n  \"text\": \"a\\\"b\",\n  \"list\": [\n    0.1,\n    null,\n    {\n      \"flag\": true,\n"
+        "      \"count\": 18446744073709551615\n    }\n  ],\n  \"empty\": []\n}\n");
+  CHECK(JsonWriter().finish() == "{}\n");
 }
 
 TEST_CASE("statistics that are not finite become null") {
