@@ -1,0 +1,16 @@
+// What a scene asks for beyond what numbers resolve. Positions are read in double and rendered in float,
+// relative to the scene's own size and place; radiances are rendered in float. Inside the ranges of
+// docs/STABILITY.md neither shows; outside a warning says what is lost.
+#pragma once
+
+#include "scene/description.hpp"
+#include "scene/diagnostics.hpp"
+
+namespace mlt {
+
+/// Warns of scenes so far from the origin that double positions are coarser than float ones near it, of a
+/// camera so far from the scene that its rays are, of lights so narrow that rounded corners change their
+/// area by a percent, and of lights so dim that PSSMLT may take them for black.
+void warn_of_lost_precision(const SceneDescription& scene, DiagnosticCollector& diagnostics);
+
+}  // namespace mlt
