@@ -82,12 +82,20 @@ std::string floor_point(const std::string& more) {
          more;
 }
 
-std::string lit_floor(const std::string& emission) {
+std::string lit_floor(const std::string& emission, double fov_degrees) {
   std::string lamp = "quad";
   for (const DVec3& corner : floor_lamp()) lamp += " " + text_of(corner);
-  return "camera eye 0 1 0 target 0 0 0 up 0 0 -1 fov 60\nmaterial grey diffuse reflectance 0.5\n"
-         "material black diffuse reflectance 0\nquad -1 0 -1  -1 0 1  1 0 1  1 0 -1 material grey\n" +
+  return "camera eye 0 1 0 target 0 0 0 up 0 0 -1 fov " + exact_text_of(fov_degrees) +
+         "\nmaterial grey diffuse reflectance 0.5\nmaterial black diffuse reflectance 0\n"
+         "quad -1 0 -1  -1 0 1  1 0 1  1 0 -1 material grey\n" +
          lamp + " material black emit " + emission + "\n";
+}
+
+std::string divided_floor(double ratio) {
+  std::string lamp = "quad";
+  for (const DVec3& corner : floor_lamp()) lamp += " " + text_of(corner);
+  return lit_floor() + "quad 0 0 -2  0 0 2  0 0.9 2  0 0.9 -2 material black\n" + lamp +
+         " scale -1 1 1 material black emit " + exact_text_of(10 / ratio) + "\n";
 }
 
 double lit_floor_radiance(double u0, double v0, double u1, double v1) {
@@ -97,6 +105,20 @@ double lit_floor_radiance(double u0, double v0, double u1, double v1) {
     return 10 * 0.5 / kPiExact * polygon_irradiance(floor_lamp(), point);
   };
   return integrate(radiance, u0, u1, v0, v1, 1e-9) / ((u1 - u0) * (v1 - v0));
+}
+
+double reflectance(std::complex<double> index, double cos_i) {
+  const std::complex<double> cos_t = std::sqrt(1.0 - (1 - cos_i * cos_i) / (index * index));
+  const std::complex<double> s = (cos_i - index * cos_t) / (cos_i + index * cos_t);
+  const std::complex<double> p = (index * cos_i - cos_t) / (index * cos_i + cos_t);
+  return (std::norm(s) + std::norm(p)) / 2;
+}
+
+double slab_radiance(double ior, double cos_i, std::uint32_t depth) {
+  const double r = reflectance(ior, cos_i);
+  double sum = depth >= 2 ? r : 0;
+  for (std::uint32_t k = 0; k + 3 <= depth; ++k) sum += (1 - r) * (1 - r) * std::pow(r, k);
+  return sum;
 }
 
 std::string narrow_view(double degrees) {

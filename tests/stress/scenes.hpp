@@ -1,6 +1,7 @@
 // Scenes that the sweeps share, as text that goes through the parser, and their closed forms.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -38,15 +39,27 @@ double sphere_irradiance(const DVec3& centre, double radius, const DVec3& point)
 std::string floor_point(const std::string& more);
 inline constexpr double kFloorPointRounding = 2e-6;
 
+inline constexpr double kLitFloorFov = 60;  ///< degrees
 /// A floor of albedo 0.5 seen from straight above, beside and under a lamp that the view does not show. For
 /// depth 2 every pixel is known; the brightest is some ten times as bright as the mean.
-std::string lit_floor(const std::string& emission = "10");
+std::string lit_floor(const std::string& emission = "10", double fov_degrees = kLitFloorFov);
 /// Mean radiance over the part [u0, u1] x [v0, v1] of the film, from its upper left corner; lamp of 10.
 double lit_floor_radiance(double u0 = 0, double v0 = 0, double u1 = 1, double v1 = 1);
+
+/// Two such floors, divided by a wall: the right one under the lamp of 10, the left one, mirrored, under a
+/// lamp `ratio` times dimmer.
+std::string divided_floor(double ratio);
 
 /// Walls of radiance 1 that reflect nothing: all that is seen is what the object in the middle lets through.
 inline constexpr const char* kUniformLight =
     "material black diffuse reflectance 0\nbox -40 -40 -40 40 40 40 inward material black emit 1\n";
+
+/// Reflectance of a plane surface of complex index for unpolarised light [Born99 section 14.2], by complex
+/// arithmetic: a way of its own, for the renderer uses real sums of squares.
+double reflectance(std::complex<double> index, double cos_i);
+/// What a slab of glass shows of a uniform field of radiance 1: the reflection at its front (2 edges), and
+/// all paths with k inner reflections (3 + k edges). Squeezing into and out of the glass cancels.
+double slab_radiance(double ior, double cos_i, std::uint32_t depth);
 
 /// A view of the origin from 10 units away at `degrees` off the z axis, so narrow that the angle is one.
 std::string narrow_view(double degrees);
