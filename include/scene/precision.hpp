@@ -9,8 +9,8 @@
 namespace mlt {
 
 /// Warns of scenes so far from the origin that double positions are coarser than float ones near it, of a
-/// camera so far from the scene that its rays are, of lights so narrow that rounded corners change their
-/// area by a percent, and of lights so dim that PSSMLT may take them for black.
+/// camera so far from the scene that its rays are, of shapes so small or lights so narrow that rounded
+/// corners change them by a percent, and of lights so dim that PSSMLT may take them for black.
 void warn_of_lost_precision(const SceneDescription& scene, DiagnosticCollector& diagnostics);
 
 }  // namespace mlt

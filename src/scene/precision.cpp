@@ -87,13 +87,33 @@ void warn_of_light(const Shape& shape, double size, DiagnosticCollector& diagnos
                          ", may be lost: PSSMLT takes paths dimmer than 8e-31 for black; scale all emission");
   }
   if constexpr (!std::is_same_v<Shape, SphereDescription>) {
-    if (narrow_share(shape, kNarrowLight * size) > 0.01) {
+    if (narrow_share(shape, kLeastDetail * size) > 0.01) {
       diagnostics.warn(shape.attributes.location,
-                       "the light is narrower than " + format_number(kNarrowLight * size) + ", which is " +
-                           format_number(kNarrowLight) +
+                       "the light is narrower than " + format_number(kLeastDetail) +
                            " of the scene's size; rounded positions change its area by a percent or more");
     }
   }
+}
+
+/// Triangles of meshes count one by one.
+std::uint64_t shapes_smaller_than(double size, const SceneDescription& scene) {
+  std::uint64_t count = 0;
+  for (const PolygonDescription& polygon : scene.polygons) {
+    const auto& p = polygon.corners;
+    if (std::max(length(p[2] - p[0]), length(p[3] - p[1])) < size) ++count;
+  }
+  for (const MeshDescription& mesh : scene.meshes) {
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const DVec3& a = mesh.vertices[mesh.indices[i]];
+      const DVec3& b = mesh.vertices[mesh.indices[i + 1]];
+      const DVec3& c = mesh.vertices[mesh.indices[i + 2]];
+      if (std::max({length(b - a), length(c - a), length(c - b)}) < size) ++count;
+    }
+  }
+  for (const SphereDescription& sphere : scene.spheres) {
+    if (2 * sphere.radius < size) ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -104,8 +124,9 @@ void warn_of_lost_precision(const SceneDescription& scene, DiagnosticCollector& 
   const double reach = std::max(largest_component(bounds.low), largest_component(bounds.high));
   const SourceLocation whole{scene.camera.location.file, 0, 0};
   if (reach > kFarScene * size) {
-    diagnostics.warn(whole, "the scene lies as far from the origin as " + format_number(std::floor(reach / size)) +
-                                " times its size, more than " + format_number(kFarScene) +
+    diagnostics.warn(whole, "the scene lies as far from the origin as " +
+                                format_number(std::floor(reach / size)) + " times its size, more than " +
+                                format_number(kFarScene) +
                                 "; its positions are rounded too coarsely, move it nearer");
   }
   const DVec3 centre = bounds.low + (bounds.high - bounds.low) * 0.5;
@@ -115,6 +136,11 @@ void warn_of_lost_precision(const SceneDescription& scene, DiagnosticCollector& 
                      "the camera is as far from the scene as " + format_number(std::floor(distance / size)) +
                          " times the scene's size, more than " + format_number(kFarCamera) +
                          "; its rays are rounded too coarsely, move it nearer with a wider view");
+  }
+  if (const std::uint64_t small = shapes_smaller_than(kLeastDetail * size, scene); small > 0) {
+    const std::string what = small == 1 ? " shape or triangle is" : " shapes or triangles are";
+    diagnostics.warn(whole, std::to_string(small) + what + " smaller than " + format_number(kLeastDetail) +
+                                " of the scene's size; rounded positions change it by a percent or more");
   }
   for (const PolygonDescription& polygon : scene.polygons) warn_of_light(polygon, size, diagnostics);
   for (const MeshDescription& mesh : scene.meshes) warn_of_light(mesh, size, diagnostics);

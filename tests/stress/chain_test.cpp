@@ -106,7 +106,7 @@ struct ChainJob {
 /// As run_bootstrap_chunk, run_chain and develop_metropolis of the kernel and the renderer.
 RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   const CompiledScene compiled(scene, kSide, kSide);
-  const FaultyIntegrator integrator{{compiled.world(), PathSettings{2, 0}}, job.defect_rate};
+  const FaultyIntegrator integrator{{compiled.world(), PathSettings{2, 2}}, job.defect_rate};
   const std::uint32_t capacity = 1 + PathIntegrator<kAllFeatures>::primary_sample_capacity(2);
   std::vector<PrimarySample> samples(capacity);
   std::vector<SavedSample> saved(capacity);
@@ -238,7 +238,7 @@ TEST_CASE("pitfalls 18 and 22: counters that start just below their wrap, and ke
     table.add_fact(start.name, "the same film, bit for bit", same_image(run_chains(scene, job), home));
   }
   job.first_time = 1;
-  job.mutations = 1024;
+  job.mutations = 512;
   // Seeds and chain numbers around the ends of 32 and 64 bits are as good as any.
   for (const std::uint64_t seed : {std::uint64_t{0} - 1, std::uint64_t{0xfffffff0U}, kLast - 8}) {
     ChainJob seeded = job;

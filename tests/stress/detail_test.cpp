@@ -114,8 +114,12 @@ TEST_CASE("pitfall 16: details of 0.1 to 1e-7 of the scene, and distant cameras"
   sweep_lamps(table, {2, 10, 100, 1e3, 8e3, 2e4, 1e5}, &distant_lamp, 0.25, &distance_rounding, 1e4, true);
 }
 
-TEST_CASE("distant cameras end in a message") {
-  SweepTable table("outside of the range of distances", "what", "the message");
+TEST_CASE("details that positions cannot tell, and distant cameras, end in a message") {
+  SweepTable table("outside of the range of details and distances", "what", "the message");
+  add_message(table, "room of 1e-5", small_room(1e-5), "");
+  add_message(table, "room of 1e-6", small_room(1e-6), "6 shapes or triangles are smaller than");
+  add_message(table, "lamp of 1e-5", small_lamp(1e-5), "");
+  add_message(table, "lamp of 1e-6", small_lamp(1e-6), "1 shape or triangle is smaller than");
   add_message(table, "camera 8e3 sizes away", distant_lamp(8e3), "");
   add_message(table, "camera 2e4 sizes away", distant_lamp(2e4), "the camera is as far from the scene");
 }

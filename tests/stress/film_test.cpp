@@ -96,8 +96,8 @@ TEST_CASE("films of 1x1 and 1xN pixels up to the largest side", "[.stress]") {
 
 TEST_CASE("pitfalls 9 and 14: contrast of 1 to 1e12 within a picture, and beyond", "[.stress]") {
   SweepTable table("contrast", "ratio", kFloorBasis);
-  for (const double ratio : {1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12}) sweep_contrast(table, ratio, 1024);
-  for (const double ratio : {1e13, 1e14, 1e16}) sweep_contrast(table, ratio, 1024, true);
+  for (const double ratio : {1.0, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12}) sweep_contrast(table, ratio, 512);
+  for (const double ratio : {1e13, 1e14, 1e16}) sweep_contrast(table, ratio, 512, true);
 }
 
 TEST_CASE("films and jobs out of their ranges end in a message") {

@@ -14,7 +14,7 @@ namespace mlt::test {
 namespace {
 
 /// Samples a pixel.
-constexpr std::uint64_t kFew = 64;
+constexpr std::uint64_t kFew = 32;
 constexpr std::uint64_t kMany = 512;
 
 // ---- roughness ----
@@ -94,14 +94,14 @@ constexpr const char* kIorBasis =
 // ---- albedo and depth ----
 
 void sweep_furnace(SweepTable& table, const std::vector<double>& albedos,
-                   const std::vector<std::uint32_t>& depths) {
+                   const std::vector<std::uint32_t>& depths, std::uint64_t samples) {
   for (const double albedo : albedos) {
     for (const std::uint32_t depth : depths) {
       const double expected = furnace_radiance(albedo, depth);
       // One rounding an edge, and one for the albedo itself, which the k-th edge takes to the power k.
       const double rounding = (2.0 * depth + 8) * 0x1p-24;
       add_film_means(table, text_of(albedo) + " depth " + std::to_string(depth),
-                     furnace(exact_text_of(albedo)), 4, depth > 64 ? 16 : 64, depth, expected, rounding);
+                     furnace(exact_text_of(albedo)), 4, samples, depth, expected, rounding);
     }
   }
 }
@@ -132,8 +132,8 @@ TEST_CASE("pitfalls 12 and 15: roughness, index and albedo, some points") {
     sweep_ior(table, {1, 3}, kFew);
   }
   SweepTable table("albedo and depth", "albedo", kFurnaceBasis);
-  sweep_furnace(table, {0, 1}, {1, 8});
-  sweep_furnace(table, {1}, {256});
+  sweep_furnace(table, {0, 1}, {1, 8}, 32);
+  sweep_furnace(table, {1}, {64}, 4);
 }
 
 TEST_CASE("pitfall 12: roughness 1e-5 to 1", "[.stress]") {
@@ -148,8 +148,8 @@ TEST_CASE("pitfall 15: index of refraction 1 to 3, and exactly 1", "[.stress]") 
 
 TEST_CASE("pitfall 14: albedo 0 to 1 and depth 1 to 256", "[.stress]") {
   SweepTable table("albedo and depth", "albedo", kFurnaceBasis);
-  sweep_furnace(table, {0, 1e-30, 1e-6, 0.5, 0.999999, 1}, {1, 2, 8, 64, 256});
-  sweep_furnace(table, {0.1, 0.9}, {1, 2, 3, 4, 8, 16, 32, 64, 128, 256});
+  sweep_furnace(table, {0, 1e-30, 1e-6, 0.5, 0.999999, 1}, {1, 2, 8, 64, 256}, 32);
+  sweep_furnace(table, {0.1, 0.9}, {1, 2, 3, 4, 8, 16, 32, 64, 128, 256}, 64);
   sweep_mirrors(table, {1, 2, 3, 16, 256});
 }
 
