@@ -110,7 +110,7 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   const std::uint32_t capacity = 1 + PathIntegrator<kAllFeatures>::primary_sample_capacity(2);
   std::vector<PrimarySample> samples(capacity);
   std::vector<SavedSample> saved(capacity);
-  std::vector<Splat> current(1), proposed(1);
+  std::vector<Splat> current(FaultyIntegrator::kMaxSplats), proposed(FaultyIntegrator::kMaxSplats);
   Contribution contribution(proposed);
 
   std::vector<BootstrapChunk> chunks(bootstrap_chunk_count(job.bootstrap));
@@ -192,7 +192,7 @@ TEST_CASE("pitfalls 8, 17 and 18: chains, some points") {
     sweep_large_step(table, {0, 1e-6f, 1}, 64);
   }
   SweepTable table("b inside the weights", "factor", kFloorBasis);
-  sweep_frozen_b(table, {0.5, 2}, 256);
+  sweep_frozen_b(table, {0.5, 2}, 128);
 }
 
 TEST_CASE("pitfall 17: 1 to 1e5 chains, and chains of one mutation", "[.stress]") {
@@ -239,6 +239,7 @@ TEST_CASE("pitfalls 18 and 22: counters that start just below their wrap, and ke
   }
   job.first_time = 1;
   job.mutations = 512;
+  job.large_step = 0.2f;
   // Seeds and chain numbers around the ends of 32 and 64 bits are as good as any.
   for (const std::uint64_t seed : {std::uint64_t{0} - 1, std::uint64_t{0xfffffff0U}, kLast - 8}) {
     ChainJob seeded = job;
@@ -260,6 +261,7 @@ TEST_CASE("pitfalls 3 and 4: defects planted into real paths are rejected and co
   for (const float rate : {1e-4f, 1e-2f}) {
     ChainJob job;
     job.defect_rate = rate;
+    job.mutations = 1024;
     std::vector<RenderResult> replicates = run_replicates(scene, job);
     std::uint64_t nan = 0, infinite = 0, negative = 0, longest_run = 0;
     for (RenderResult& replicate : replicates) {

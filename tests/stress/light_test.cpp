@@ -12,7 +12,7 @@ namespace mlt::test {
 namespace {
 
 /// Samples a pixel.
-constexpr std::uint64_t kFew = 64;
+constexpr std::uint64_t kFew = 32;
 constexpr std::uint64_t kMany = 512;
 
 constexpr const char* kIrradianceBasis =

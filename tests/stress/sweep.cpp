@@ -56,7 +56,7 @@ std::uint64_t defects_of(const std::vector<RenderResult>& replicates) {
 }
 
 std::string text_of(double value) {
-  return fmt::format("{:.9g}", value);
+  return fmt::format("{:.8g}", value);
 }
 
 std::string exact_text_of(double value) {
