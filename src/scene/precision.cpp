@@ -147,4 +147,15 @@ void warn_of_lost_precision(const SceneDescription& scene, DiagnosticCollector& 
   for (const SphereDescription& sphere : scene.spheres) warn_of_light(sphere, size, diagnostics);
 }
 
+std::string warning_of_coarse_floats(const std::vector<DVec3>& vertices) {
+  Bounds bounds;
+  for (const DVec3& vertex : vertices) bounds.include(vertex);
+  const double size = largest_component(bounds.high - bounds.low);
+  const double reach = std::max(largest_component(bounds.low), largest_component(bounds.high));
+  if (vertices.empty() || !(reach > kFarFloatMesh * size)) return {};
+  return "the vertices are 32-bit floats and lie " + format_number(reach) +
+         " from the origin, where these are rounded to " + format_number(reach * 0x1p-24) +
+         "; the whole mesh measures " + format_number(size) + ". Store them as double or nearer";
+}
+
 }  // namespace mlt

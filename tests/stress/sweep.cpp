@@ -129,16 +129,29 @@ void add_film_means(SweepTable& table, const std::string& parameter, const std::
   }
 }
 
-std::string messages_of(const std::string& scene_text) {
+namespace {
+
+template <class Read>
+std::string collect_messages(Read&& read) {
   std::string text;
   try {
-    for (const std::string& warning : parse_scene_text(scene_text, "scene").warnings) text += warning + "\n";
+    for (const std::string& warning : read().warnings) text += warning + "\n";
   } catch (const InputError& error) {
     for (const Diagnostic& diagnostic : error.diagnostics()) text += diagnostic.to_string() + "\n";
   } catch (const ResourceError& error) {
     text += error.what();
   }
   return text;
+}
+
+}  // namespace
+
+std::string messages_of(const std::string& scene_text) {
+  return collect_messages([&] { return parse_scene_text(scene_text, "scene"); });
+}
+
+std::string file_messages_of(const std::string& path) {
+  return collect_messages([&] { return parse_scene_file(path); });
 }
 
 void add_message(SweepTable& table, const std::string& parameter, const std::string& scene_text,

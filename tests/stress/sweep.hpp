@@ -78,6 +78,7 @@ void add_film_means(SweepTable& table, const std::string& parameter, const std::
 
 /// The diagnostics that reading `scene_text` ends with, or its warnings; empty when there is neither.
 std::string messages_of(const std::string& scene_text);
+std::string file_messages_of(const std::string& path);
 /// A row for a scene whose reading must say `wanted`; "" stands for silence.
 void add_message(SweepTable& table, const std::string& parameter, const std::string& scene_text,
                  const std::string& wanted);
