@@ -2,6 +2,7 @@
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
 #   make slow       tests with the tag [.slow]         make scenes, refs, bench, fuzz, repro, proof, memcheck
+#   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
 #   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
 # tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
@@ -69,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -150,10 +151,10 @@ unit: $(OUT)/test_$(T)
 	$(OUT)/test_$(T)
 
 # Builds without running.
-tests: $(TEST_BINARIES) $(OUT)/film_hash
+tests: $(TEST_BINARIES) $(OUT)/test_stress $(OUT)/film_hash
 
 # TESTS narrows the stages: make VARIANT=tsan test TESTS="markov film render"
-TESTS ?= $(TESTED_STAGES)
+TESTS ?= $(TESTED_STAGES) stress
 test: $(foreach s,$(TESTS),$(OUT)/test_$(s)) $(if $(filter release,$(VARIANT)),$(PROVED))
 	tools/run_tests.sh $(OUT) $(TESTS)
 
@@ -165,6 +166,14 @@ asan tsan:
 
 memcheck: $(OUT)/film_hash scenes
 	tools/memcheck.sh $(OUT)
+
+# Numerical sweeps over whole renders. Those with the tag [.stress] are too long for `make test`.
+$(OUT)/test_stress: $(call objects,$(wildcard tests/stress/*.cpp) tests/render/render_fixture.cpp $(SUPPORT)) \
+                    $(call stage_objects,render)
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+stress: $(OUT)/test_stress
+	tools/stress.sh $(OUT)
 
 # Whole renders against the stored pictures of ref_images, and the program that makes these.
 GOLDEN := $(call objects,tests/golden/golden.cpp tests/render/render_fixture.cpp tests/support/statistics.cpp)
