@@ -70,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench bench-guard fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -254,6 +254,10 @@ $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
 bench: $(BENCHES) scenes
 	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
+
+# Instruction counts of fixed jobs against a stored table.
+bench-guard: $(OUT)/film_hash scenes | deps-extra
+	tools/bench_guard.sh $(OUT)
 
 # The harnesses see the readers of input files alone.
 FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))
