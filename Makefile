@@ -70,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench bench-guard fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench bench-guard calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -258,6 +258,10 @@ bench: $(BENCHES) scenes
 # Instruction counts of fixed jobs against a stored table.
 bench-guard: $(OUT)/film_hash scenes | deps-extra
 	tools/bench_guard.sh $(OUT)
+
+# The estimated error against the true one on every scene.
+calibration: build/mlt scenes
+	tools/calibration.sh build/mlt
 
 # The harnesses see the readers of input files alone.
 FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Counts the instructions of fixed jobs under callgrind and compares them with tests/bench/instructions.txt:
 #   bench_guard.sh build/<variant> [accept]
-# More than 3 % above the stored count fails, with the job's name; more than 3 % below asks for the table to be
-# renewed by `accept`. Counts do not depend on how busy a machine is, but on compiler and libraries: the table
+# More than 3 % above the stored count fails, with the job's name; more than 3 % below asks for the table to
+# be renewed by `accept`. Counts do not depend on how busy a machine is, but on compiler and libraries: the table
 # names those it was made with. Each job renders enough paths that start-up is a few per cent at most.
 set -u
 export LC_ALL=C
@@ -20,7 +20,8 @@ count() {
   local name=$1
   shift
   # shellcheck disable=SC2086
-  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$out/film_hash" $* threads=1 >"$work/$name.log" 2>&1
+  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$out/film_hash" $* threads=1 \
+    >"$work/$name.log" 2>&1
   awk '/Collected/ { print $NF }' "$work/$name.log" >"$work/$name.count"
 }
 
@@ -57,6 +58,8 @@ while read -r name stored job; do
     wrong="stored $stored, found $found: $(grep '^# compiler' "$table")"
   fi
   expect_empty "$name: $found instructions, $change %" "$wrong"
-  awk -v c="$change" 'BEGIN { exit !(c < -3) }' && echo "      fewer than stored: tools/bench_guard.sh $out accept"
+  if awk -v c="$change" 'BEGIN { exit !(c < -3) }'; then
+    echo "      fewer than stored: tools/bench_guard.sh $out accept"
+  fi
 done < <(grep -vE '^(#|$)' "$table")
 closing
