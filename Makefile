@@ -112,10 +112,19 @@ VARIANT_OPT := $(OPT)
 $(OUT)/tests/%.o: OPT := $(TEST_OPT)
 $(OUT)/tests/bench/%.o: OPT := $(VARIANT_OPT)
 $(OUT)/tests/repro/%.o: OPT := $(VARIANT_OPT)
-$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) | deps-test
+# Catch's header takes a third of a test's time to compile. g++ reads it precompiled, for tests that have the
+# flags of most; what is not a Catch test does without.
+PCH      := $(if $(findstring clang,$(CXX))$(findstring aarch64,$(CXX)),,$(OUT)/tests.hpp.gch)
+NO_CATCH := $(addprefix $(OUT)/tests/,bench/% repro/% fuzz/% support/catch_main.o golden/make_refs.o golden/golden.o)
+$(OUT)/tests.hpp.gch: OPT := $(TEST_OPT)
+$(OUT)/tests.hpp.gch: $(FLAGS_FILE) | deps-test
+	$(SAY) "  compile $@"
+	@echo '#include <catch2/catch.hpp>' > $(OUT)/tests.hpp
+	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/tests.hpp -o $@
+$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) $(PCH) | deps-test
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(PCH),$(if $(filter-out $(NO_CATCH),$@),-include $(OUT)/tests.hpp)) -c $< -o $@
 
 # What a target needs of the system; does nothing when it is there (tools/install_deps.sh).
 deps:

@@ -2,8 +2,8 @@
 # Counts the instructions of fixed jobs under callgrind and compares them with tests/bench/instructions.txt:
 #   bench_guard.sh build/<variant> [accept]
 # More than 3 % above the stored count fails, with the job's name; more than 3 % below asks for the table to
-# be renewed by `accept`. Counts do not depend on how busy a machine is, but on compiler and libraries: the table
-# names those it was made with. Each job renders enough paths that start-up is a few per cent at most.
+# be renewed by `accept`. Counts do not depend on how busy a machine is, but on compiler and libraries: the
+# table names those it was made with. Each job renders enough paths that start-up is a few per cent at most.
 set -u
 export LC_ALL=C
 cd "$(dirname "$0")/.."

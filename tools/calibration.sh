@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The estimated relMSE against the true one, from the references of ref_images, over all scenes and integrators:
+# The estimated relMSE against the true one, from the references of ref_images, by scene and integrator:
 #   calibration.sh MLT [SEEDS]
 # Prints a table of means over the seeds. A ratio of 1 is right; docs/ESTIMATOR.md discusses it.
 set -eu
@@ -19,10 +19,11 @@ for job in "path 64" "pssmlt 256"; do
   while read -r name file _; do
     estimates=0 truths=0
     for seed in $(seq 101 $((100 + seeds))); do
-      "$mlt" render "$file" --integrator "$method" --spp "$budget" --width 64 --height 64 --seed "$seed" --quiet \
-        --output "$work/image.pfm" --stats "$work/statistics.json" 2>/dev/null
+      "$mlt" render "$file" --integrator "$method" --spp "$budget" --width 64 --height 64 --seed "$seed" \
+        --quiet --output "$work/image.pfm" --stats "$work/statistics.json" 2>/dev/null
       estimate=$(value "$work/statistics.json" rel_mse_estimate)
-      truth=$("$mlt" compare "$work/image.pfm" "ref_images/$name.pfm" | awk 'tolower($1) == "relmse" { print $2 }')
+      truth=$("$mlt" compare "$work/image.pfm" "ref_images/$name.pfm" |
+        awk 'tolower($1) == "relmse" { print $2 }')
       estimates="$estimates $estimate" truths="$truths $truth"
     done
     awk -v name="$name" -v method="$method" -v e="$estimates" -v t="$truths" 'BEGIN {
