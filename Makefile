@@ -256,6 +256,8 @@ build/scenes/made: scenes/generate_mesh.cpp | deps
 	build/scenes/generate_mesh build/scenes
 	@touch $@
 
+# Embree is a measure for the rays' cost, used where libembree-dev is installed.
+$(OUT)/bench/ray_bench: LIBS += $(if $(wildcard /usr/include/embree3/rtcore.h),-lembree3)
 BENCHES := $(patsubst tests/bench/%.cpp,$(OUT)/bench/%,$(wildcard tests/bench/*.cpp))
 $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
 	@mkdir -p $(dir $@)

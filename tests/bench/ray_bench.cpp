@@ -2,7 +2,8 @@
 // box of 18 quads, a box around one glassy-smooth ball of 131k triangles and a rough one of 1M, and the time
 // to build their hierarchies. One thread, CPU time; medians of interleaved rounds, so that a change of the
 // clock's frequency or another process meets all alike. With the argument "crossover" it compares flat lists
-// with trees for growing counts instead, which is where FlatLimits comes from.
+// with trees for growing counts instead, which is where FlatLimits comes from. Where libembree-dev is there,
+// Embree meets the same rays.
 #include <time.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <functional>
 
+#include "embree.hpp"
 #include "geometry/scene_fixture.hpp"
 
 namespace mlt::test {
@@ -155,7 +157,44 @@ void measure(const Geometry& geometry, const RaySets& rays, Measurement& m) {
   m.shadow.push_back(time_occluded<kGeneral>(geometry, rays.shadow));
 }
 
+#ifdef MLT_HAS_EMBREE
+/// Quads as two triangles each; without the surface points.
+class EmbreeMeter {
+ public:
+  explicit EmbreeMeter(const Shapes& shapes) : scene_(triangles_of(shapes)) {}
+
+  void measure(const RaySets& rays, Measurement& m) const {
+    m.primary.push_back(time(rays.primary, &EmbreeScene::intersect));
+    m.bounce.push_back(time(rays.bounce, &EmbreeScene::intersect));
+    m.bounce_surface.push_back(0);
+    m.shadow.push_back(time(rays.shadow, &EmbreeScene::occluded));
+  }
+
+ private:
+  static std::vector<Triangle> triangles_of(const Shapes& shapes) {
+    std::vector<Triangle> triangles = halves_of(shapes.quads);
+    triangles.insert(triangles.end(), shapes.triangles.begin(), shapes.triangles.end());
+    return triangles;
+  }
+  double time(const std::vector<Ray>& rays, bool (EmbreeScene::*query)(const Ray&) const) const {
+    const auto start = cpu_seconds();
+    std::uint32_t sum = 0;
+    for (const Ray& ray : rays) sum += (scene_.*query)(ray) ? 1 : 0;
+    sink = sum;
+    return seconds_since(start) * 1e9 / static_cast<double>(rays.size());
+  }
+
+  EmbreeScene scene_;
+};
+#else
+struct EmbreeMeter {
+  explicit EmbreeMeter(const Shapes&) {}
+  void measure(const RaySets&, Measurement&) const {}
+};
+#endif
+
 void print(const char* name, const Measurement& m) {
+  if (m.primary.empty()) return;
   std::printf("%-34s primary %6.1f  bounce %6.1f  bounce with point %6.1f  shadow %6.1f ns\n", name,
               median(m.primary), median(m.bounce), median(m.bounce_surface), median(m.shadow));
 }
@@ -186,7 +225,8 @@ void compare_scenes() {
   const BuiltGeometry a(cornell), b(mesh), c(rough);
   const RaySets rays_a = make_rays<false>(*a, 256), rays_b = make_rays<true>(*b, 256),
                 rays_c = make_rays<true>(*c, 256);
-  Measurement m[4];
+  const EmbreeMeter embree_a(cornell), embree_b(mesh), embree_c(rough);
+  Measurement m[4], embree[3];
   std::vector<double> periods;
   for (int round = 0; round < 11; ++round) {
     periods.push_back(clock_period());
@@ -194,6 +234,9 @@ void compare_scenes() {
     measure<true>(*a, rays_a, m[1]);
     measure<true>(*b, rays_b, m[2]);
     measure<true>(*c, rays_c, m[3]);
+    embree_a.measure(rays_a, embree[0]);
+    embree_b.measure(rays_b, embree[1]);
+    embree_c.measure(rays_c, embree[2]);
   }
   std::printf(
       "%d lanes, one thread, medians of 11 rounds of %zu to %zu rays; a dependent addition takes %.3f ns\n",
@@ -202,6 +245,9 @@ void compare_scenes() {
   print("cornell, 18 quads, general", m[1]);
   print("131k triangles in 6 quads", m[2]);
   print("1M triangles in 6 quads", m[3]);
+  print("Embree, cornell", embree[0]);
+  print("Embree, 131k triangles", embree[1]);
+  print("Embree, 1M triangles", embree[2]);
   print_build("131k triangles", mesh);
   print_build("1M triangles", rough);
 }

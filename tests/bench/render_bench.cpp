@@ -16,7 +16,7 @@
 namespace mlt {
 namespace {
 
-constexpr int kRuns = 7;
+constexpr int kRuns = 5;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -114,7 +114,7 @@ void add_renders(std::vector<Row>& rows, const std::string& name, const SceneDes
     const auto instruction_set = static_cast<InstructionSet>(set);
     const std::string suffix = set == 0 ? ", base" : ", AVX2";
     const Job path{&scene, IntegratorKind::path, 128, 16, 1, instruction_set};
-    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 64, 1, instruction_set};
+    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 32, 1, instruction_set};
     rows.push_back(
         {name + ", path-tracer sample" + suffix, "us", [path] { return microseconds_each(path); }});
     rows.push_back(
