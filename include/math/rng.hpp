@@ -15,7 +15,8 @@ enum class StreamPurpose : std::uint32_t {
   kSeedSelection = 3,
   kPixel = 4,
   kTest = 5,
-  kSteps = 6
+  kSteps = 6,
+  kResampling = 7
 };
 
 /// Bijective 64-bit finaliser, Stafford's mix 13 as used in SplitMix64 [Steele14].
