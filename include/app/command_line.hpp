@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/converge_options.hpp"
 #include "render/job.hpp"
 
 namespace mlt {
@@ -37,7 +38,8 @@ struct TextCommand {
   std::string text;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, CompareCommand, TextCommand>;
+using Command =
+    std::variant<RenderCommand, InfoCommand, CompareCommand, ConvergeCommand, ReportCommand, TextCommand>;
 
 /// `words` without the program's name. Throws InputError with every fault found; the place is the option's
 /// name, or "mlt" with the command for the line as a whole.

@@ -19,7 +19,6 @@ namespace mlt {
 namespace {
 
 constexpr double kMaxRelMseLimit = 1e30;
-constexpr float kMaxExposure = 64;  // 2^64 brings the smallest radiance worth showing to 1
 
 [[noreturn]] void fail(const std::string& place, const std::string& message) {
   throw InputError(Diagnostic{place, 0, 0, message});
@@ -349,6 +348,13 @@ Command parse_command_line(const std::vector<std::string>& words) {
       return parse_info(split);
     case CommandKind::compare:
       return parse_compare(split);
+    case CommandKind::converge: {
+      Diagnostics diagnostics;
+      const RenderRequest request = RequestReader(split, diagnostics).read();
+      return make_converge_command(split.options, split.positional, request, diagnostics);
+    }
+    case CommandKind::report:
+      return make_report_command(split.options, split.positional);
     case CommandKind::help:
       break;
   }

@@ -40,9 +40,11 @@ std::string entry(const std::string& label, const std::string& text) {
   return result + '\n';
 }
 
-std::string option_entries(CommandKind command) {
+/// With `only_own`, without the options that another command has too.
+std::string option_entries(CommandKind command, bool only_own = false) {
   std::string text;
   for (const OptionSpec& option : options_of(command)) {
+    if (only_own && option.commands.size() > 1) continue;
     std::string label = option.short_name.empty() ? option.name : option.short_name + ", " + option.name;
     if (!option.value.empty()) label += " " + option.value;
     text += entry(label, option.help);
@@ -79,6 +81,7 @@ std::string general_help() {
       kVersion);
   text +=
       "  mlt render SCENE [OPTION]...\n  mlt info SCENE [OPTION]...\n  mlt compare A.pfm B.pfm [OPTION]...\n";
+  text += "  mlt converge SCENE -o DIR [OPTION]...\n  mlt report DIR [OPTION]...\n";
   text += fmt::format("  {}\n  mlt help [COMMAND]\n  mlt --version\n\nCommands:\n", kClassicUsage);
 #define MLT_ITEM(name, help) text += entry(#name, help);
   MLT_COMMANDS(MLT_ITEM)
@@ -88,6 +91,8 @@ std::string general_help() {
                 "the numbers mean the same as --width, --height, --mutations, --threads and --depth below");
   text +=
       "\nOptions of render; info takes those that change the plan:\n" + option_entries(CommandKind::render);
+  text += "\nOptions of converge, besides most of render's:\n" + option_entries(CommandKind::converge, true);
+  text += "\nOptions of report:\n" + option_entries(CommandKind::report);
   text += "\nOptions of compare:\n" + option_entries(CommandKind::compare) + "\n" + exit_codes();
   return text;
 }
@@ -109,6 +114,15 @@ std::string command_help(CommandKind command) {
              "relMSE (each squared difference divided by\nB^2 + 0.01), and the mean of A over the mean of "
              "B.\n\n"
              "Options:\n" +
+             option_entries(command) + "\n" + exit_codes();
+    case CommandKind::converge:
+      return "Usage: mlt converge SCENE -o DIR [OPTION]...\nRenders SCENE by several methods at several "
+             "budgets, interleaved, and writes error against time and\nsamples into DIR "
+             "(docs/CONVERGE.md).\n\nOptions:\n" +
+             option_entries(command) + "\n" + exit_codes();
+    case CommandKind::report:
+      return "Usage: mlt report DIR [OPTION]...\nWrites one self-contained page with the results of mlt "
+             "converge in DIR and its subfolders.\n\nOptions:\n" +
              option_entries(command) + "\n" + exit_codes();
     case CommandKind::help:
       return general_help();

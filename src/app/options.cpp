@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/converge_options.hpp"
 #include "app/number.hpp"
 #include "image/format.hpp"
 #include "render/job.hpp"
@@ -116,6 +117,7 @@ std::vector<OptionSpec> make_table() {
                    false,
                    {CommandKind::render, CommandKind::info, CommandKind::compare, CommandKind::help},
                    "prints this text"});
+  add_converge_options(table);
   return table;
 }
 

@@ -1,6 +1,7 @@
-#include <fmt/format.h>
+#include "base/json_string.hpp"
 
-#include "app/record.hpp"
+#include <cstdio>
+#include <string_view>
 
 namespace mlt {
 namespace {
@@ -43,7 +44,10 @@ std::string json_string(const std::string& text) {
     } else if (letter == '"' || letter == '\\') {
       result += {'\\', letter};
     } else if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(letter)));
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x",
+                    static_cast<unsigned>(static_cast<unsigned char>(letter)));
+      result += escape;
     } else {
       result += rest.substr(0, length);
     }
