@@ -13,6 +13,8 @@
 #include "app/stop_signal.hpp"
 #include "app/version.hpp"
 #include "base/atomic_file.hpp"
+#include "converge/picture.hpp"
+#include "converge/plot.hpp"
 #include "converge/summary.hpp"
 #include "image/image_io.hpp"
 #include "scene/parse.hpp"
@@ -109,10 +111,54 @@ void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) print_message("mlt: warning: " + warning + "\n");
 }
 
-void write_results(const OutputFolder& folder, const ConvergeRun& run, const ConvergeSummary& summary) {
+/// Shares of the pixels that the maps' scales hold; the rest, fireflies mostly, has the colour of the end.
+constexpr double kErrorShare = 0.99;
+constexpr double kDifferenceShare = 0.995;
+
+/// Pictures of every method at equal time, with maps of one scale for all of them; names their files and
+/// scales in `summary`.
+void write_pictures(const OutputFolder& folder, const ConvergeRun& run, const Reference* reference,
+                    float exposure, ConvergeSummary& summary) {
+  const ImageBuffer base = base_image(run, reference);
+  const std::vector<TextEntry> metadata{{"Software", fmt::format("mlt {}", kVersion)},
+                                        {"Command", summary.command}};
+  const auto write = [&](const std::string& name, const ImageBuffer& image, float brightening) {
+    write_png(folder / name, image.view(), {brightening, metadata});
+    return name;
+  };
+  std::vector<ImageBuffer> means;
+  std::vector<ErrorField> errors, differences;
+  for (std::size_t i = 0; i < run.methods.size(); ++i) {
+    const auto level = static_cast<std::size_t>(summary.methods[i].equal_time_level);
+    means.push_back(mean_image(run, i, level));
+    errors.push_back(error_field(run, i, level, base));
+    differences.push_back(difference_field(means[i], base));
+  }
+  summary.error_map_high = scale_end(errors, kErrorShare);
+  summary.difference_map_high = scale_end(differences, kDifferenceShare);
+  for (std::size_t i = 0; i < run.methods.size(); ++i) {
+    MethodSummary& method = summary.methods[i];
+    const auto level = static_cast<std::size_t>(method.equal_time_level);
+    method.picture = write(method.name + ".png", run.images[run.index(i, level, 0)], exposure);
+    method.mean_picture = write(method.name + ".mean.png", means[i], exposure);
+    method.error_map = write(method.name + ".error.png",
+                             draw_field(errors[i], ColourMap::kSequential, summary.error_map_high), 0);
+    method.difference_map =
+        write(method.name + ".difference.png",
+              draw_field(differences[i], ColourMap::kDiverging, summary.difference_map_high), 0);
+  }
+  summary.reference_picture =
+      write(reference != nullptr ? "reference.png" : "mean_of_all.png", base, exposure);
+}
+
+void write_results(const OutputFolder& folder, const ConvergeRun& run, const Reference* reference,
+                   float exposure, ConvergeSummary& summary) {
   // Written last, the summary says that everything beside it belongs to it; so an old one goes first.
   ::unlink((folder / "summary.json").c_str());
   write_text(folder / "converge.csv", to_csv(run, summary.scene));
+  write_pictures(folder, run, reference, exposure, summary);
+  write_text(folder / "time.svg", to_svg(plot_over_time(summary)));
+  write_text(folder / "samples.svg", to_svg(plot_over_samples(summary)));
   write_text(folder / "summary.json", to_json(summary));
 }
 
@@ -150,7 +196,7 @@ ExitCode run_converge(const ConvergeCommand& given) {
   summary.version = kVersion;
   summary.scene = command.scene;
   summary.command = command_text(command, run);
-  write_results(folder, run, summary);
+  write_results(folder, run, known, command.exposure, summary);
   print_output(to_text(summary));
   print_warnings(summary.warnings);
   return run.interrupted ? ExitCode::kInterrupted : ExitCode::kOk;
