@@ -12,25 +12,35 @@ namespace mlt {
 namespace {
 
 constexpr char kStyle[] = R"(
-body { font: 16px/1.5 Charter, "Bitstream Charter", Palatino, Georgia, "Liberation Serif", serif; color: #1c1c1c;
-       max-width: 1120px; margin: 2.5rem auto; padding: 0 1.2rem; background: #fff; }
-h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.3rem; margin: 3rem 0 .4rem; padding-top: .8rem;
-     border-top: 1px solid #bbb; } h3 { font-size: 1.02rem; margin: 1.6rem 0 .4rem; }
-p { margin: .4rem 0; } .quiet { color: #555; } .small, figcaption { font-size: .88rem; }
-table { font-size: .86rem; }
-table { border-collapse: collapse; margin: .7rem 0; border-top: 2px solid #222; border-bottom: 2px solid #222;
-        font-variant-numeric: tabular-nums lining-nums; width: 100%; }
-th, td { padding: .18rem .4rem; text-align: right; white-space: nowrap; } th { font-weight: 600; }
+body { font: 16px/1.5 Charter, "Bitstream Charter", Palatino, Georgia, "Liberation Serif", serif;
+  color: #1c1c1c; max-width: 1120px; margin: 2.5rem auto; padding: 0 1.2rem; background: #fff; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; }
+h2 { font-size: 1.3rem; margin: 3rem 0 .4rem; padding-top: .8rem; border-top: 1px solid #bbb; }
+h3 { font-size: 1.02rem; margin: 1.6rem 0 .4rem; }
+a { color: #1d4f8a; text-decoration: none; }
+p { margin: .4rem 0; }
+.quiet { color: #555; }
+.small, figcaption { font-size: .88rem; }
+table { border-collapse: collapse; margin: .7rem 0; border-top: 2px solid #222; width: 100%;
+  border-bottom: 2px solid #222; font-size: .86rem; font-variant-numeric: tabular-nums lining-nums; }
+th, td { padding: .18rem .4rem; text-align: right; white-space: nowrap; }
+th { font-weight: 600; }
 thead th { border-bottom: 1px solid #222; vertical-align: bottom; }
-.l { text-align: left; } tr.new td { border-top: 1px solid #ccc; } .range { color: #666; font-size: .92em; }
-tr.equal td { background: #f4f1e6; } figure { margin: 1rem 0; break-inside: avoid; } .wide { overflow-x: auto; }
-.plots { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; } .plots svg { width: 100%; height: auto; }
-.pictures { display: grid; gap: .5rem .6rem; align-items: start; } .pictures .head { font-weight: 600;
-  font-size: .86rem; text-align: center; align-self: end; line-height: 1.3; }
-.pictures .row { font-size: .86rem; writing-mode: vertical-rl; color: #444; transform: rotate(180deg); text-align: center;
-  align-self: center; justify-self: center; }
+.l { text-align: left; }
+tr.new td { border-top: 1px solid #ccc; }
+tr.equal td { background: #f4f1e6; }
+.range { color: #666; font-size: .92em; }
+sup { line-height: 0; font-size: .75em; }
+figure { margin: 1rem 0; break-inside: avoid; }
+.wide { overflow-x: auto; }
+.plots { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; }
+.plots svg { width: 100%; height: auto; }
+.pictures { display: grid; gap: .5rem .6rem; align-items: start; }
+.pictures .head { font-weight: 600; font-size: .86rem; text-align: center; align-self: end; line-height: 1.3; }
+.pictures .row { font-size: .86rem; writing-mode: vertical-rl; color: #444; transform: rotate(180deg);
+  text-align: center; align-self: center; justify-self: center; }
 .pictures img { width: 100%; display: block; image-rendering: pixelated; }
-sup { line-height: 0; font-size: .75em; } .warning { border-left: 3px solid #b5452a; padding-left: .7rem; }
+.warning { border-left: 3px solid #b5452a; padding-left: .7rem; }
 code { font: .82em/1.4 "DejaVu Sans Mono", Menlo, monospace; overflow-wrap: anywhere; }
 @media print { body { max-width: none; margin: 0; } h2 { break-before: page; } }
 )";
