@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace mlt {
@@ -17,8 +16,8 @@ struct JsonValue {
   bool boolean = false;
   double number = 0;
   std::string text;
-  std::vector<JsonValue> items;
-  std::vector<std::pair<std::string, JsonValue>> members;  ///< in the file's order
+  std::vector<JsonValue> items;    ///< of an array or an object, in the file's order
+  std::vector<std::string> names;  ///< of an object's items
 
   /// The first member of that name; null when there is none or this is no object.
   const JsonValue* find(std::string_view name) const;

@@ -76,10 +76,10 @@ class Parser {
     if (take("}")) return;
     do {
       skip_blanks();
-      std::string name = parse_string();
+      value.names.push_back(parse_string());
       skip_blanks();
       expect(':');
-      value.members.emplace_back(std::move(name), parse_value(depth + 1));
+      value.items.push_back(parse_value(depth + 1));
       skip_blanks();
     } while (take(","));
     expect('}');
@@ -156,8 +156,8 @@ class Parser {
 }  // namespace
 
 const JsonValue* JsonValue::find(std::string_view name) const {
-  for (const auto& [key, value] : members) {
-    if (key == name) return &value;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return &items[i];
   }
   return nullptr;
 }

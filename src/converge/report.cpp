@@ -36,7 +36,8 @@ figure { margin: 1rem 0; break-inside: avoid; }
 .plots { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; }
 .plots svg { width: 100%; height: auto; }
 .pictures { display: grid; gap: .5rem .6rem; align-items: start; }
-.pictures .head { font-weight: 600; font-size: .86rem; text-align: center; align-self: end; line-height: 1.3; }
+.pictures .head { font-weight: 600; font-size: .86rem; text-align: center; align-self: end;
+  line-height: 1.3; }
 .pictures .row { font-size: .86rem; writing-mode: vertical-rl; color: #444; transform: rotate(180deg);
   text-align: center; align-self: center; justify-self: center; }
 .pictures img { width: 100%; display: block; image-rendering: pixelated; }
