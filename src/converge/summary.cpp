@@ -16,6 +16,7 @@ using Chosen = std::span<const std::uint32_t>;
 /// Noise of the reference above this share of an error makes that error hard to trust.
 constexpr double kTrustedNoiseShare = 0.2;
 constexpr double kSuspectStandardErrors = 4;
+constexpr std::uint32_t kReplicatesToSuspect = 8;  // of fewer the standard error itself is too uncertain
 constexpr double kRoundingOfMeans =
     1e-5;  // relative; pixels are floats, and some scenes have no noise at all
 
@@ -106,6 +107,7 @@ void add_level(const ConvergeRun& run, const Reference* reference, std::size_t m
 /// Over all replicates of the levels whose errors all have a logarithm.
 std::optional<PowerLaw> slope(const ConvergeRun& run, std::size_t method, Chosen all, bool over_time) {
   std::vector<double> x, y;
+  std::size_t levels = 0;
   for (std::size_t level = 0; level < run.level_count; ++level) {
     const auto errors = collect(run, method, level, all, [](const Measurement& row) { return row.rel_mse; });
     const auto efforts = collect(run, method, level, all, [&](const Measurement& row) {
@@ -114,10 +116,12 @@ std::optional<PowerLaw> slope(const ConvergeRun& run, std::size_t method, Chosen
     const auto positive = [](double value) { return value > 0; };
     if (!std::all_of(errors.begin(), errors.end(), positive)) continue;
     if (!std::all_of(efforts.begin(), efforts.end(), positive)) continue;
+    ++levels;
     x.insert(x.end(), efforts.begin(), efforts.end());
     y.insert(y.end(), errors.begin(), errors.end());
   }
-  return x.empty() ? std::nullopt : fit_power_law(x, y);
+  // Within one level the times differ by the machine's noise alone.
+  return levels < 2 ? std::nullopt : fit_power_law(x, y);
 }
 
 Bounded effort_to(const ConvergeRun& run, std::size_t method, double target, const Curve& all,
@@ -135,6 +139,7 @@ Bounded effort_to(const ConvergeRun& run, std::size_t method, double target, con
 
 Bounded bounded_ratio(const ConvergeRun& run, std::size_t method, std::size_t base,
                       std::vector<double> Curve::*seconds, double value) {
+  if (std::isnan(value)) return {};
   if (method == base) return {1, 1, 1};
   const std::size_t last = run.level_count - 1;
   const Interval interval = bootstrap_interval(run.replicates, [&](Chosen chosen) {
@@ -199,6 +204,7 @@ void add_warnings(const Reference* reference, ConvergeSummary& summary) {
                        method.name, reference->own_rel_mse, least));
     }
     const LevelSummary& last = method.levels.back();
+    if (summary.replicates < kReplicatesToSuspect) continue;
     if (std::fabs(last.bias) > kSuspectStandardErrors * last.bias_standard_error + kRoundingOfMeans) {
       warn(
           fmt::format("{}: the image mean is off by {:+.3g} %, {:.1f} standard errors; same depth and scene "

@@ -153,9 +153,11 @@ std::string shown_effort(const Bounded& effort, const char* unit) {
 }
 
 void add_method_lines(const ConvergeSummary& summary, const MethodSummary& method, std::string& text) {
-  text += fmt::format("{}: slope over time {} +- {}, over samples {} +- {}\n", method.name,
-                      shown(method.slope_time, "{:.3f}"), shown(method.slope_time_error, "{:.3f}"),
-                      shown(method.slope_samples, "{:.3f}"), shown(method.slope_samples_error, "{:.3f}"));
+  if (!std::isnan(method.slope_samples)) {
+    text += fmt::format("{}: slope over time {} +- {}, over samples {} +- {}\n", method.name,
+                        shown(method.slope_time, "{:.3f}"), shown(method.slope_time_error, "{:.3f}"),
+                        shown(method.slope_samples, "{:.3f}"), shown(method.slope_samples_error, "{:.3f}"));
+  }
   if (!std::isnan(method.ratio.value)) {
     text += fmt::format(
         "{}: efficiency against path at the last budget {:.3g} [{:.3g}, {:.3g}], by processor "

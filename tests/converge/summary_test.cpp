@@ -81,6 +81,30 @@ TEST_CASE("the bias carries the noise of the images and of the reference") {
   CHECK(level.bias_standard_error == Approx(std::sqrt(0.04 / 12 + 0.01) / 2).epsilon(1e-12));
 }
 
+TEST_CASE("one level has no slope, whatever the clock's noise") {
+  ConvergeRun run = synthetic_run({kPath}, 1, 4, 0.1);
+  for (Measurement& row : run.rows) row.wall_seconds *= 1 + 0.01 * row.replicate;
+  const MethodSummary method = summarise(run, nullptr, kUnknown).methods[0];
+  CHECK((std::isnan(method.slope_time) && std::isnan(method.slope_samples)));
+  CHECK(method.ratio.value == 1);
+}
+
+TEST_CASE("a mean that is off is told when there are replicates enough") {
+  const auto warnings = [](std::uint32_t replicates) {
+    ConvergeRun run = synthetic_run({kPath}, 1, replicates, 0.01);
+    for (Measurement& row : run.rows) row.mean = 1.1 + 0.001 * (row.replicate % 2);
+    Reference reference;
+    reference.path = "r.pfm";
+    reference.variance_path = "r.variance.pfm";
+    reference.mean = 1;
+    reference.mean_standard_error = 0.001;
+    return summarise(run, &reference, kUnknown).warnings;
+  };
+  CHECK(warnings(7).empty());
+  REQUIRE(warnings(8).size() == 1);
+  CHECK_THAT(warnings(8)[0], Catch::Contains("path: the image mean is off by +10.1 %"));
+}
+
 TEST_CASE("errors at or below the reference's noise spoil neither slopes nor efficiencies") {
   ConvergeRun run = synthetic_run({kPath, kChains}, 4, 3, 0.1);
   for (Measurement& row : run.rows) {
