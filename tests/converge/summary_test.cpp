@@ -58,6 +58,19 @@ TEST_CASE("a summary finds the laws that the rows follow") {
   CHECK_THAT(summary.warnings[0], Catch::Contains("without --reference"));
 }
 
+TEST_CASE("the path tracer's efficiency is taken at the method's time") {
+  // Its efficiency at budget n, that is at n / 100 seconds, is 100 n^-0.5; the method's time at budget m is
+  // that of n = sqrt(2) m, between two budgets, and at the last one beyond all of them.
+  const double root = std::sqrt(2.0);
+  const ConvergeRun run = synthetic_run(
+      {{IntegratorKind::path, "path", 1, -0.5, 0.01}, {IntegratorKind::pssmlt, "pssmlt", 1, -1, 0.01 * root}},
+      6, 3, 0);
+  const std::vector<LevelSummary> levels = summarise(run, nullptr, kUnknown).methods[1].levels;
+  const double own = 100 / root;
+  CHECK(levels[2].ratio == Approx(own / (100 / std::sqrt(4 * root))).epsilon(1e-9));
+  CHECK(levels[5].ratio == Approx(own / (100 / std::sqrt(32.0))).epsilon(1e-9));
+}
+
 TEST_CASE("targets out of reach are told from those met at once") {
   const ConvergeRun run = synthetic_run({kPath}, 4, 3, 0.1);
   const Bounded never = summarise(run, nullptr, 1e-3).methods[0].seconds_to_target;
