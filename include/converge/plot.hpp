@@ -33,7 +33,8 @@ std::string to_svg(const Plot& plot);
 Plot plot_over_time(const ConvergeSummary& summary);
 Plot plot_over_samples(const ConvergeSummary& summary);
 
-/// `text` with the characters that XML and HTML reserve replaced, and control characters left out.
+/// `text` with the characters that XML and HTML reserve replaced, control characters left out, and bytes that
+/// are not UTF-8 as U+FFFD.
 std::string xml_text(const std::string& text);
 
 }  // namespace mlt

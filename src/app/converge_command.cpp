@@ -2,8 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
+#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -80,7 +79,8 @@ std::optional<Reference> load_reference(ConvergeCommand& command) {
 
 /// The options that make the same plan again, budgets written out.
 std::string command_text(const ConvergeCommand& command, const ConvergeRun& run) {
-  std::string text = fmt::format("mlt converge {} --integrators ", shell_quote(command.scene));
+  std::string text = fmt::format("mlt converge {} --integrators ",
+                                 shell_quote((command.scene.starts_with("-") ? "./" : "") + command.scene));
   for (const ConvergeMethod& method : run.methods)
     text += (&method == &run.methods[0] ? "" : ",") + method.name;
   text += command.times.empty() ? fmt::format(" --budgets {}", fmt::join(command.budgets, ","))
@@ -103,6 +103,7 @@ std::string command_text(const ConvergeCommand& command, const ConvergeRun& run)
   if (request.roulette) {
     text += " --roulette " + (*request.roulette == 0 ? "off" : std::to_string(*request.roulette));
   }
+  if (command.exposure != 0) text += fmt::format(" --exposure {}", command.exposure);
   if (command.target) text += fmt::format(" --target {}", *command.target);
   return text + " -o DIR";
 }
@@ -184,8 +185,12 @@ ExitCode run_converge(const ConvergeCommand& given) {
     check_plan(scene, plan);
   }
 
+  const auto begin = std::chrono::steady_clock::now();
   ConvergeRun run = measure(scene, plan, stop_requested(), [&](std::uint32_t done) {
-    if (!command.quiet) print_message(fmt::format("replicate {} of {} done\n", done, plan.replicates));
+    if (command.quiet) return;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    print_message(fmt::format("replicate {} of {} done, {:.1f} s, {:.1f} s to go\n", done, plan.replicates,
+                              seconds, seconds / done * (plan.replicates - done)));
   });
   if (run.replicates < (known != nullptr ? 1u : 2u)) {
     print_message("mlt: stopped before there were replicates enough; nothing is written\n");

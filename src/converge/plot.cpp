@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/json_string.hpp"
+
 namespace mlt {
 namespace {
 
@@ -273,7 +275,7 @@ Plot plot_of(const ConvergeSummary& summary, const std::string& x_label, double 
 
 std::string xml_text(const std::string& text) {
   std::string result;
-  for (const char letter : text) {
+  for (const char letter : valid_utf8(text)) {
     if (letter == '&') {
       result += "&amp;";
     } else if (letter == '<') {

@@ -42,6 +42,12 @@ TEST_CASE("plots are well-formed and name axes, units, methods and the target") 
   CHECK_THAT(samples, !Catch::Contains("target"));
 }
 
+TEST_CASE("text of XML holds neither reserved characters nor what is no text") {
+  CHECK(xml_text("a<b>&\"c\"") == "a&lt;b&gt;&amp;&quot;c&quot;");
+  CHECK(xml_text("\x01\n\x7f") == "");
+  CHECK(xml_text("\xC3\xA8\xFF") == "\xC3\xA8\xEF\xBF\xBD");
+}
+
 TEST_CASE("points stand where their logarithms say") {
   // Decades 0 to 2 in x and -2 to 0 in y, with 5 % of them free at each end, in a frame from 76 to 622 and 40
   // to 376: the middle point is in the middle.
