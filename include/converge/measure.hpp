@@ -80,7 +80,7 @@ struct ConvergeRun {
 void check_plan(const SceneDescription& scene, const ConvergePlan& plan);
 
 /// Fills in the budgets that take about `times` (wall seconds, increasing) by trial renders of doubling
-/// length. False when `stop` was set.
+/// length, up to one that takes the last of them. False when `stop` was set.
 bool budgets_for_times(const SceneDescription& scene, const std::vector<double>& times, ConvergePlan& plan,
                        const std::atomic<bool>& stop);
 

@@ -7,7 +7,6 @@
 #include "base/assert.hpp"
 #include "base/error.hpp"
 #include "compare/compare.hpp"
-#include "converge/statistics.hpp"
 #include "render/renderer.hpp"
 
 namespace mlt {
@@ -38,7 +37,8 @@ struct Trial {
   double seconds;
 };
 
-/// The budget that takes `seconds` by power laws between trials, in proportion beyond the last.
+/// The budget that takes `seconds`: between trials on a straight line, since a bootstrap makes time an affine
+/// function of the budget; beyond the last, which only the largest budget leaves, in proportion.
 std::uint64_t budget_for(const std::vector<Trial>& trials, double seconds) {
   std::size_t at = 0;
   while (at < trials.size() && trials[at].seconds < seconds) ++at;
@@ -46,10 +46,9 @@ std::uint64_t budget_for(const std::vector<Trial>& trials, double seconds) {
   if (at == trials.size()) {
     budget = trials.back().budget * seconds / trials.back().seconds;
   } else if (at > 0) {
-    const double from = log10_of(trials[at - 1].seconds);
-    const double share = (log10_of(seconds) - from) / (log10_of(trials[at].seconds) - from);
-    const double low = log10_of(trials[at - 1].budget);
-    budget = power_of_10(low + share * (log10_of(trials[at].budget) - low));
+    const Trial& below = trials[at - 1];
+    const double share = (seconds - below.seconds) / (trials[at].seconds - below.seconds);
+    budget = below.budget + share * (trials[at].budget - below.budget);
   }
   const double most = static_cast<double>(kMaxSamplesPerPixel);
   return static_cast<std::uint64_t>(std::clamp(std::floor(budget + 0.5), 1.0, most));
@@ -147,7 +146,7 @@ void check_plan(const SceneDescription& scene, const ConvergePlan& plan) {
 
 bool budgets_for_times(const SceneDescription& scene, const std::vector<double>& times, ConvergePlan& plan,
                        const std::atomic<bool>& stop) {
-  constexpr double kShortest = 1e-6;  // a clock's tick, so that logarithms exist
+  constexpr double kShortest = 1e-6;  // a clock's tick
   for (ConvergeMethod& method : plan.methods) {
     RenderRequest request = plan.request;
     request.integrator = method.kind;
@@ -156,10 +155,10 @@ bool budgets_for_times(const SceneDescription& scene, const std::vector<double>&
       request.samples_per_pixel = budget;
       const std::optional<Rendered> rendered = render_once(scene, request, stop);
       if (!rendered) return false;
-      // The clock is noisy and times must increase for the power laws between them.
+      // The clock is noisy, and times must increase for the lines between them.
       const double floor = trials.empty() ? kShortest : trials.back().seconds * 1.0001;
       trials.push_back({static_cast<double>(budget), std::max(rendered->statistics.wall_seconds, floor)});
-      if (trials.back().seconds >= 0.5 * times.back()) break;
+      if (trials.back().seconds >= times.back()) break;
     }
     for (const double seconds : times) method.budgets.push_back(budget_for(trials, seconds));
   }
