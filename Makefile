@@ -249,7 +249,8 @@ bench: $(BENCHES) scenes
 # The harnesses see the readers of input files alone.
 FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))
 READERS := $(call stage_objects,scene) \
-           $(call objects,$(filter %/pfm_reader.cpp %/format.cpp,$(call sources,image)))
+           $(call objects,$(filter %/pfm_reader.cpp %/format.cpp,$(call sources,image)) \
+             $(filter-out %/measure.cpp %/picture.cpp %/reference.cpp %/summary.cpp,$(call sources,converge)))
 $(OUT)/fuzz_%: $(OUT)/tests/fuzz/%_fuzz.o $(READERS)
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) -fsanitize=fuzzer $^ $(LIBS) -o $@
