@@ -24,7 +24,7 @@ struct ConvergeCommand {
   std::optional<double> target;
   float exposure = 0;
   bool quiet = false;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< options that were accepted and have no effect
 };
 
 struct ReportCommand {

@@ -168,6 +168,7 @@ void write_results(const OutputFolder& folder, const ConvergeRun& run, const Ref
 ExitCode run_converge(const ConvergeCommand& given) {
   install_signal_handlers();
   ConvergeCommand command = given;
+  print_warnings(command.warnings);
   const SceneDescription scene = parse_scene_file(command.scene);
   print_warnings(scene.warnings);
   const std::optional<Reference> reference = load_reference(command);

@@ -152,6 +152,17 @@ void read_effort(const Given& given, ConvergeCommand& command, Diagnostics& diag
   }
 }
 
+/// Warns of options that none of the methods looks at.
+void add_unused(const Given& given, ConvergeCommand& command) {
+  for (const ConvergeMethod& method : command.methods) {
+    if (method.kind == IntegratorKind::pssmlt) return;
+  }
+  for (const char* name : {"--chains", "--bootstrap", "--large-step", "--start", "--mutation"}) {
+    if (given(name) == nullptr) continue;
+    command.warnings.push_back(fmt::format("{}: has no effect without pssmlt among --integrators", name));
+  }
+}
+
 }  // namespace
 
 void add_converge_options(std::vector<OptionSpec>& table) {
@@ -199,6 +210,7 @@ ConvergeCommand make_converge_command(const OptionWords& options, const std::vec
     command.exposure =
         parse_real("--exposure", *exposure, -kMaxExposure, kMaxExposure, diagnostics).value_or(0.0f);
   }
+  add_unused(given, command);
   if (given("--seed") == nullptr) command.request.seed = kDefaultConvergeSeed;
   command.quiet = given("--quiet") != nullptr;
   if (!diagnostics.empty()) throw InputError(diagnostics);

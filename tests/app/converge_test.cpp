@@ -106,6 +106,14 @@ TEST_CASE("converge without a reference says so") {
   CHECK(folder.run({"report", "."}).code == 0);
 }
 
+TEST_CASE("converge tells of options that none of its methods looks at") {
+  const SceneFolder folder;
+  const ProgramResult result =
+      folder.run(converge({"--integrators", "path", "--budgets", "2", "--replicates", "2", "-q", "-o", "."}));
+  CHECK(result.code == code_of(ExitCode::kOk));
+  CHECK_THAT(result.error, Catch::Contains("--chains: has no effect without pssmlt among --integrators"));
+}
+
 TEST_CASE("converge chooses budgets for times") {
   const SceneFolder folder;
   const ProgramResult result =

@@ -78,11 +78,11 @@ TEST_CASE("budgets for times increase with the time") {
   const std::atomic<bool> stop = false;
   ConvergePlan plan = small_plan();
   for (ConvergeMethod& method : plan.methods) method.budgets.clear();
-  REQUIRE(budgets_for_times(scene, {0.002, 0.004, 0.02}, plan, stop));
+  // A factor of 75, so that a busy machine's hiccups cannot turn the order around.
+  REQUIRE(budgets_for_times(scene, {0.002, 0.003, 0.15}, plan, stop));
   for (const ConvergeMethod& method : plan.methods) {
     REQUIRE(method.budgets.size() == 3);
     CHECK((method.budgets[0] >= 1 && method.budgets[0] <= method.budgets[1]));
-    // Five times as long; interpolation between noisy trials still must give more.
     CHECK(method.budgets[1] < method.budgets[2]);
   }
   const std::atomic<bool> stopped = true;
