@@ -2,6 +2,7 @@
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
 #   make slow       tests with the tag [.slow]         make scenes, refs, bench, fuzz, repro, proof, memcheck
+#   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
 #   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
 # tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
@@ -69,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow demo scenes refs bench fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench bench-guard calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -111,10 +112,19 @@ VARIANT_OPT := $(OPT)
 $(OUT)/tests/%.o: OPT := $(TEST_OPT)
 $(OUT)/tests/bench/%.o: OPT := $(VARIANT_OPT)
 $(OUT)/tests/repro/%.o: OPT := $(VARIANT_OPT)
-$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) | deps-test
+# Catch's header takes a third of a test's time to compile. g++ reads it precompiled, for tests that have the
+# flags of most; what is not a Catch test does without.
+PCH      := $(if $(findstring clang,$(CXX))$(findstring aarch64,$(CXX)),,$(OUT)/tests.hpp.gch)
+NO_CATCH := $(addprefix $(OUT)/tests/,bench/% repro/% fuzz/% support/catch_main.o golden/make_refs.o golden/golden.o)
+$(OUT)/tests.hpp.gch: OPT := $(TEST_OPT)
+$(OUT)/tests.hpp.gch: $(FLAGS_FILE) | deps-test
+	$(SAY) "  compile $@"
+	@echo '#include <catch2/catch.hpp>' > $(OUT)/tests.hpp
+	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/tests.hpp -o $@
+$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) $(PCH) | deps-test
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(PCH),$(if $(filter-out $(NO_CATCH),$@),-include $(OUT)/tests.hpp)) -c $< -o $@
 
 # What a target needs of the system; does nothing when it is there (tools/install_deps.sh).
 deps:
@@ -150,10 +160,10 @@ unit: $(OUT)/test_$(T)
 	$(OUT)/test_$(T)
 
 # Builds without running.
-tests: $(TEST_BINARIES) $(OUT)/film_hash
+tests: $(TEST_BINARIES) $(OUT)/test_stress $(OUT)/film_hash
 
 # TESTS narrows the stages: make VARIANT=tsan test TESTS="markov film render"
-TESTS ?= $(TESTED_STAGES)
+TESTS ?= $(TESTED_STAGES) stress
 test: $(foreach s,$(TESTS),$(OUT)/test_$(s)) $(if $(filter release,$(VARIANT)),$(PROVED))
 	tools/run_tests.sh $(OUT) $(TESTS)
 
@@ -165,6 +175,14 @@ asan tsan:
 
 memcheck: $(OUT)/film_hash scenes
 	tools/memcheck.sh $(OUT)
+
+# Numerical sweeps over whole renders. Those with the tag [.stress] are too long for `make test`.
+$(OUT)/test_stress: $(call objects,$(wildcard tests/stress/*.cpp) tests/render/render_fixture.cpp $(SUPPORT)) \
+                    $(call stage_objects,render)
+	$(SAY) "  link    $@"
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+stress: $(OUT)/test_stress
+	tools/stress.sh $(OUT)
 
 # Whole renders against the stored pictures of ref_images, and the program that makes these.
 GOLDEN := $(call objects,tests/golden/golden.cpp tests/render/render_fixture.cpp tests/support/statistics.cpp)
@@ -246,10 +264,18 @@ $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
 bench: $(BENCHES) scenes
 	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
 
+# Instruction counts of fixed jobs against a stored table.
+bench-guard: $(OUT)/film_hash scenes | deps-extra
+	tools/bench_guard.sh $(OUT)
+
+# The estimated error against the true one on every scene.
+calibration: build/mlt scenes
+	tools/calibration.sh build/mlt
+
 # The harnesses see the readers of input files alone.
 FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))
 READERS := $(call stage_objects,scene) \
-           $(call objects,$(filter %/pfm_reader.cpp %/format.cpp,$(call sources,image)) \
+           $(call objects,$(filter %/pfm_reader.cpp %/png_reader.cpp %/format.cpp,$(call sources,image)) \
              $(filter-out %/measure.cpp %/picture.cpp %/reference.cpp %/summary.cpp,$(call sources,converge)))
 $(OUT)/fuzz_%: $(OUT)/tests/fuzz/%_fuzz.o $(READERS)
 	$(SAY) "  link    $@"

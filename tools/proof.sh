@@ -22,7 +22,7 @@ allowed_calls='futex|clock_gettime|clock_nanosleep|getrusage|restart_syscall|sch
 # Where the render zone begins: the phases, what the idle main thread does, the workers and all kernels.
 roots=(_ZN3mlt8Renderer5State17render_metropolisEv _ZN3mlt8Renderer5State11render_pathEv
   _ZN3mlt8Renderer5State15report_progressEPv _ZN3mlt10WorkerPool4workEj
-  _ZN3mlt13select_kernelEjNS_12MutationKindE)
+  _ZN3mlt13select_kernelEj)
 
 jobs=("scenes/CornellBox.txt integrator=pssmlt width=32 height=32 spp=4 depth=5 chains=24 bootstrap=4096"
   "scenes/spheres.txt integrator=pssmlt width=32 height=32 spp=4 depth=8 chains=24 bootstrap=4096"

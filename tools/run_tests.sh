@@ -33,8 +33,13 @@ run() {  # run NAME COMMAND...: one program, its output, exit code and seconds i
   echo "$status $(((${end/./} - ${start/./}) / 10000))" >"$log/$name.status"
 }
 
+# The longest first, so that no core is left with it alone at the end.
+ordered=()
 for stage in "$@"; do
-  names+=("test_$stage")
+  if [ "$stage" = render ]; then ordered=("$stage" "${ordered[@]}"); else ordered+=("$stage"); fi
+done
+for stage in "$@"; do names+=("test_$stage"); done
+for stage in "${ordered[@]}"; do
   while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n; done
   run "test_$stage" "$out/test_$stage" --durations yes "${filter[@]}" &
 done

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "app/compare_command.hpp"
 #include "app/converge_options.hpp"
 #include "render/job.hpp"
 
@@ -14,9 +15,10 @@ namespace mlt {
 struct RenderCommand {
   std::string scene;
   RenderRequest request;
-  std::vector<std::string> outputs;  ///< image files; never empty
-  std::optional<std::string> stats;  ///< JSON file
-  float exposure = 0;                ///< EV
+  std::vector<std::string> outputs;        ///< image files; never empty
+  std::optional<std::string> stats;        ///< JSON file
+  std::optional<std::string> error_image;  ///< PFM or PNG file of standard errors
+  float exposure = 0;                      ///< EV
   bool quiet = false;
   std::vector<std::string> warnings;  ///< options that were accepted and have no effect
 };
@@ -25,12 +27,6 @@ struct InfoCommand {
   std::string scene;
   RenderRequest request;
   std::vector<std::string> warnings;
-};
-
-struct CompareCommand {
-  std::string image;
-  std::string reference;
-  std::optional<double> max_rel_mse;
 };
 
 /// A command that only prints.

@@ -13,8 +13,12 @@ ExitCode run_render(const RenderCommand& command);
 /// Prints what the scene contains, the features found and skipped, and the memory plan, without rendering.
 ExitCode run_info(const InfoCommand& command);
 
-/// Prints MSE, relMSE and the mean ratio; kCompareFailed when relMSE is above the limit.
+/// Prints the metrics of a pair of images or of all pairs of two folders, and writes the pictures asked for;
+/// kCompareFailed when a metric is beyond its limit, or when --test rejects.
 ExitCode run_compare(const CompareCommand& command);
+
+/// The part of run_compare behind --test.
+ExitCode run_replicate_test(const CompareCommand& command);
 
 /// Renders the plan of `command` and writes its results into the folder, the summary last.
 ExitCode run_converge(const ConvergeCommand& command);

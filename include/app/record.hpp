@@ -17,8 +17,9 @@ std::string shell_quote(const std::string& word);
 
 /// The full form of `mlt render` that gives the same image bit for bit, with every default written out.
 /// Leaves out what has no influence on pixels: threads, memory limit, names of outputs. The exposure, which
-/// changes only PNG files, stands last and only when it is not 0.
-std::string canonical_command(const std::string& scene, const RenderJob& job, float exposure);
+/// changes only PNG files, stands last and only when it is not 0. `rounds` are those made, or to be made.
+std::string canonical_command(const std::string& scene, const RenderJob& job, float exposure,
+                              std::uint64_t rounds);
 
 struct RenderRecord {
   RenderJob job;

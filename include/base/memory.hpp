@@ -51,9 +51,6 @@ class MemoryPlan {
   std::size_t bytes(Lifetime lifetime) const;
   const std::vector<PlanLine>& lines() const { return lines_; }
 
-  /// Throws ResourceError naming needed and allowed bytes when the total exceeds `limit_bytes`.
-  void require_within(std::size_t limit_bytes) const;
-
  private:
   std::size_t add_bytes(std::string name, Lifetime lifetime, std::size_t count, std::size_t item_bytes);
   std::vector<PlanLine> lines_;

@@ -20,6 +20,9 @@ struct Reference {
   double mean_standard_error = 0;  ///< channels of a pixel taken as fully correlated, pixels as independent
 };
 
+/// The mean over pixels and channels.
+double mean_of_image(const ImageView& image);
+
 /// "folder/name.pfm" to "folder/name.variance.pfm".
 std::string variance_path_of(const std::string& path);
 

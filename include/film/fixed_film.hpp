@@ -15,6 +15,8 @@ namespace mlt {
 struct FilmPixel {
   std::int64_t metropolis[3] = {0, 0, 0};  ///< developed with the final b
   std::int64_t uniform[3] = {0, 0, 0};     ///< large steps; developed with the frozen b of the weights
+  /// Both sums of the chains of one half less those of the other half (error_estimate.hpp).
+  std::int64_t difference[3] = {0, 0, 0};
 };
 
 inline constexpr std::uint32_t kMinFractionBits = 28;
@@ -41,28 +43,32 @@ inline std::int64_t to_fixed(double scaled) {
 
 class FixedFilm {
  public:
-  FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits)
-      : pixels_(pixels), scale_(static_cast<double>(std::uint64_t{1} << fraction_bits)) {}
+  /// `half` is 1 or -1 for the half that the splats belong to, 0 for neither.
+  FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits, int half = 0)
+      : pixels_(pixels), scale_(static_cast<double>(std::uint64_t{1} << fraction_bits)), half_(half) {}
 
   void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight, double uniform_weight) {
     MLT_CHECK_OP(pixel, <, pixels_.size());
     FilmPixel& target = pixels_[pixel];
-    if (metropolis_weight != 0.0) add(target.metropolis, value, metropolis_weight);
-    if (uniform_weight != 0.0) add(target.uniform, value, uniform_weight);
+    if (metropolis_weight != 0.0) add(target.metropolis, target.difference, value, metropolis_weight);
+    if (uniform_weight != 0.0) add(target.uniform, target.difference, value, uniform_weight);
   }
 
   std::span<FilmPixel> pixels() const { return pixels_; }
 
  private:
-  void add(std::int64_t* sums, const Vec3& value, double weight) {
+  void add(std::int64_t* sums, std::int64_t* differences, const Vec3& value, double weight) {
     const double scaled = weight * scale_;
-    sums[0] += to_fixed(static_cast<double>(value.x) * scaled);
-    sums[1] += to_fixed(static_cast<double>(value.y) * scaled);
-    sums[2] += to_fixed(static_cast<double>(value.z) * scaled);
+    for (int c = 0; c < 3; ++c) {
+      const std::int64_t fixed = to_fixed(static_cast<double>(value[c]) * scaled);
+      sums[c] += fixed;
+      differences[c] += half_ * fixed;
+    }
   }
 
   std::span<FilmPixel> pixels_;
   double scale_;
+  std::int64_t half_;
 };
 
 /// Adds pixels [first, last) of `source` to `sum`.
@@ -76,6 +82,12 @@ struct FilmNormalisation {
   std::uint64_t mutations = 0;
   std::uint32_t fraction_bits = 0;
 };
+
+/// What one unit of a film's sums is worth, before b or weight_b.
+inline double film_scale(const FilmNormalisation& normalisation, std::size_t pixels) {
+  const double unit = static_cast<double>(std::uint64_t{1} << normalisation.fraction_bits);
+  return static_cast<double>(pixels) / (static_cast<double>(normalisation.mutations) * unit);
+}
 
 /// Develops pixels [first, last) of a summed film.
 void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation,

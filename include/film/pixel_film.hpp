@@ -11,11 +11,23 @@ namespace mlt {
 
 struct PixelSum {
   double channels[3] = {0, 0, 0};  ///< sum of radiance over the pixel's samples
+  // Of the quarters of every sequence of samples (error_estimate.hpp): (1 + 2) - (3 + 4), 1 - 2 and 3 - 4.
+  double halves[3] = {0, 0, 0};
+  double first_quarters[3] = {0, 0, 0};
+  double last_quarters[3] = {0, 0, 0};
 
-  void add(const Vec3& radiance) {
-    channels[0] += static_cast<double>(radiance.x);
-    channels[1] += static_cast<double>(radiance.y);
-    channels[2] += static_cast<double>(radiance.z);
+  /// `quarter` is 0 to 3, or 4 for a sample that belongs to none.
+  void add(const Vec3& radiance, std::uint64_t quarter) {
+    constexpr double kHalf[5] = {1, 1, -1, -1, 0};
+    constexpr double kFirst[5] = {1, -1, 0, 0, 0};
+    constexpr double kLast[5] = {0, 0, 1, -1, 0};
+    for (int c = 0; c < 3; ++c) {
+      const double value = radiance[c];
+      channels[c] += value;
+      halves[c] += kHalf[quarter] * value;
+      first_quarters[c] += kFirst[quarter] * value;
+      last_quarters[c] += kLast[quarter] * value;
+    }
   }
 };
 

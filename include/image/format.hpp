@@ -21,6 +21,9 @@ enum class ImageFormat : std::uint8_t {
 /// Throws InputError, with `path` as place and the known extensions in the message.
 ImageFormat image_format_of(const std::string& path);
 
+/// Whether image_format_of would find one.
+bool has_image_extension(const std::string& path);
+
 /// ".png, .pfm"
 std::string image_extensions();
 

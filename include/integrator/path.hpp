@@ -17,7 +17,7 @@ namespace mlt {
 
 struct PathSettings {
   std::uint32_t depth = 1;     ///< maximal number of path edges
-  std::uint32_t roulette = 0;  ///< first edge after which roulette may end the path; 0: never
+  std::uint32_t roulette = 0;  ///< first edge after which roulette may end paths; read with the feature only
 };
 
 /// Veach's power heuristic with exponent 2, as a ratio: squares of densities would over- and underflow.

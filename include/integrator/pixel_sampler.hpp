@@ -43,7 +43,7 @@ constexpr std::uint32_t reversed_sobol_second(std::uint32_t index) {
 
 class PixelSampler : public FloatSamples<PixelSampler> {
  public:
-  /// For `sample_count` samples (>= 1) in each pixel of a film of width x height pixels.
+  /// For `sample_count` samples (>= 1) of a sequence in each pixel of a film of width x height pixels.
   PixelSampler(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
       : seed_(seed), width_(width), height_(height) {
     // Index bits above the sample count would only add a constant digital shift, which the scramble adds
@@ -52,12 +52,14 @@ class PixelSampler : public FloatSamples<PixelSampler> {
       index_mask_ = (index_mask_ << 1) | 1U;
   }
 
-  void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
+  /// Sample `sample` of the pixel's sequence number `sequence`; sequences are independent.
+  void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence = 0) {
     x_ = x;
     y_ = y;
     reversed_sample_ = reverse_bits(sample);
     dimension_ = 0;
     pixel_key_ = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
+    if (sequence != 0) pixel_key_ = mix64(pixel_key_ + 0xd1b54a32d192ed03ULL * sequence);
   }
 
   std::uint32_t next_fixed() {

@@ -103,7 +103,9 @@ std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, doubl
 
 /// Systematic resampling over all chains: chain c of C takes position (c + u) / C of the total
 /// ([Kelemen02] starts from one such path; one stratum for each chain lowers the variance of the starts).
-double seed_position(std::uint64_t seed, std::uint64_t chain, std::uint64_t chains, double total);
+/// `round` numbers independent repetitions.
+double seed_position(std::uint64_t seed, std::uint64_t round, std::uint64_t chain, std::uint64_t chains,
+                     double total);
 
 /// Replays a chunk to find the path at `position`. The replay must reproduce the chunk's sum bit for bit.
 template <class Integrator>

@@ -16,7 +16,8 @@ enum class StreamPurpose : std::uint32_t {
   kPixel = 4,
   kTest = 5,
   kSteps = 6,
-  kResampling = 7
+  kResampling = 7,
+  kRelabelling = 16  ///< of replicates, in a permutation test
 };
 
 /// Bijective 64-bit finaliser, Stafford's mix 13 as used in SplitMix64 [Steele14].

@@ -3,7 +3,7 @@
 //   pssmlt: mutations, fraction bits, the bits of b and of the weights' b as doubles, and the six int64 sums
 //   of
 //           each pixel in row order;
-//   path:   samples a pixel, and the three double sums of each pixel in row order.
+//   path:   samples a pixel of all rounds, and the three double sums of each pixel in row order.
 // Equal hashes mean equal images to the last bit, and equal brightness estimates.
 #pragma once
 
@@ -16,6 +16,6 @@ namespace mlt {
 
 /// 64 hexadecimal digits. The films must be summed into the first worker's.
 std::string hash_metropolis_film(const RenderStorage& storage, const FilmNormalisation& normalisation);
-std::string hash_path_film(const RenderStorage& storage);
+std::string hash_path_film(const RenderStorage& storage, std::uint64_t rounds);
 
 }  // namespace mlt

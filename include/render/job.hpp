@@ -44,11 +44,17 @@ inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;  ///< pixels
 inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
+/// Samples or mutations a pixel of each round, where a job speaks of rounds.
+inline constexpr std::uint64_t kDefaultPerRound = 16;
 
 struct RenderRequest {
   IntegratorKind integrator = IntegratorKind::pssmlt;
   std::optional<std::uint32_t> width, height;      ///< pixels, 1 to kMaxFilmSide
   std::optional<std::uint64_t> samples_per_pixel;  ///< path: samples; pssmlt: mutations; >= 1
+  std::optional<std::uint64_t> rounds;             ///< repetitions of that work, >= 1; default 1
+  std::optional<double> target_error;              ///< estimated relMSE that ends the rounds; > 0
+  std::optional<double> seconds;                   ///< after which no further round begins; > 0
+  std::optional<std::uint64_t> max_per_pixel;      ///< limit of rounds * samples_per_pixel
   std::optional<std::uint32_t> depth;              ///< path edges from camera to light, 1 to kMaxDepth
   std::optional<std::uint32_t> threads;            ///< 1 to kMaxThreads; default: the machine's cores
   std::uint64_t seed = 0;
@@ -65,7 +71,11 @@ struct RenderRequest {
 struct RenderJob {
   IntegratorKind integrator = IntegratorKind::pssmlt;
   std::uint32_t width = 0, height = 0;
-  std::uint64_t samples_per_pixel = 0;
+  std::uint64_t samples_per_pixel = 0;  ///< of one round
+  bool in_rounds = false;               ///< whether the request speaks of rounds, their end or their limit
+  std::uint64_t max_rounds = 1;
+  double target_error = 0;  ///< 0: none
+  double seconds = 0;       ///< 0: no limit
   std::uint32_t depth = 0;
   std::uint32_t threads = 0;                              ///< without influence on the image
   InstructionSet instruction_set = InstructionSet::base;  ///< without influence on the image

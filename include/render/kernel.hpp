@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "film/error_estimate.hpp"
 #include "film/fixed_film.hpp"
 #include "film/pixel_film.hpp"
 #include "integrator/features.hpp"
@@ -41,15 +42,17 @@ struct RenderStorage {
 
   // PSSMLT
   std::span<BootstrapChunk> bootstrap;
-  std::span<ChainStatistics> chains;
+  std::span<ChainStatistics> chains;  ///< of one round
   LuminanceMoments bootstrap_moments;
   std::uint64_t mutations = 0;  ///< of all chains
   std::uint32_t fraction_bits = 0;
 
   // Path tracer
   std::span<PixelSum> pixels;
-  std::span<TileStatistics> tiles;
+  std::span<TileStatistics> tiles;  ///< of one round
 
+  std::uint64_t round = 0;            ///< repetitions of the job's work, each with random numbers of its own
+  std::span<ErrorSums> error_blocks;  ///< one a unit of development
   std::span<Vec3> image;
   const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
   std::atomic<bool> left_early{false};      ///< a tile was left before its end

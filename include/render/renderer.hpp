@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/memory.hpp"
+#include "film/error_estimate.hpp"
 #include "film/image_view.hpp"
 #include "render/job.hpp"
 
@@ -29,6 +30,7 @@ struct RenderStatistics {
   double wall_seconds = 0;
   double cpu_seconds = 0;
   std::uint64_t samples = 0;    ///< paths evaluated, bootstrap included
+  std::uint64_t rounds = 0;     ///< finished
   std::uint64_t mutations = 0;  ///< pssmlt
   double b = 0;                 ///< mean luminance of the image, from bootstrap and large steps
   double b_standard_error = 0;
@@ -39,6 +41,7 @@ struct RenderStatistics {
   std::uint64_t rejected_infinite = 0;
   std::uint64_t rejected_negative = 0;
   std::uint64_t minor_faults = 0;  ///< page faults between render begin and render end, all threads
+  ErrorEstimate error;             ///< estimated relMSE of the image
   bool partial = false;            ///< stopped before the end
   bool black = false;              ///< no path carried light
   std::string film_hash;           ///< 64 hexadecimal digits, SHA-256
@@ -67,6 +70,9 @@ class Renderer {
   RenderStatistics run(const std::atomic<bool>& stop, ProgressCallback progress, void* context);
   /// Valid after run() until the renderer is destroyed.
   ImageView image() const;
+  /// Estimated standard errors of the image's channels; zero where they are not known. Each pixel's variance
+  /// is the mean over its 5 x 5 neighbours, since that of one pixel comes from a single difference.
+  ImageBuffer standard_errors() const;
 
  private:
   struct State;

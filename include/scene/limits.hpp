@@ -46,6 +46,14 @@ inline constexpr double kMinRoughness = 1e-5;  ///< or exactly 0
 inline constexpr double kMinConductorEta = 1e-3;
 inline constexpr double kMaxConductorEta = 100;  ///< also of k, which may be 0
 
+// Values beyond which a warning says what is lost (scene/precision.hpp). Lengths are relative to the scene's
+// size, the longest side of its bounding box.
+inline constexpr double kFarScene = 0x1p27;      ///< reach from the origin; doubles are off by 2^-53 of it
+inline constexpr double kFarFloatMesh = 0x1p13;  ///< the same for a mesh; its floats are off by 2^-24 of it
+inline constexpr double kFarCamera = 0x1p13;     ///< distance of eye and scene; rays are off by 2^-24 of it
+inline constexpr double kLeastDetail = 0x1p-18;  ///< of a light's width, a shape's side; corners: 2^-25
+inline constexpr double kDimRadiance = 1e-18;    ///< W/(m^2 sr); 12 orders above the least target
+
 // Tolerances, relative to a polygon's longest edge or diagonal.
 inline constexpr double kParallelogramTolerance = 1e-6;  ///< a + c - b - d; float positions resolve 6e-8
 inline constexpr double kPlanarTolerance = 1e-4;         ///< distance of the fourth corner from the plane

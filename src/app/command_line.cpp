@@ -3,115 +3,21 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "app/number.hpp"
 #include "app/options.hpp"
 #include "app/version.hpp"
+#include "app/words.hpp"
 #include "base/assert.hpp"
 #include "base/error.hpp"
 
 namespace mlt {
 namespace {
 
-constexpr double kMaxRelMseLimit = 1e30;
-
-[[noreturn]] void fail(const std::string& place, const std::string& message) {
-  throw InputError(Diagnostic{place, 0, 0, message});
-}
-
-/// The end of a message: what may have been meant, then what is allowed.
-std::string allowed_instead(const std::string& word, const std::vector<std::string>& allowed) {
-  const std::string hint = suggest(word, allowed);
-  return (hint.empty() ? "; expected " : hint + " Expected ") + fmt::format("{}", fmt::join(allowed, ", "));
-}
-
-/// Options and positional words of one command, as strings.
-struct Words {
-  std::map<std::string, std::vector<std::string>> options;  ///< by long name
-  std::vector<std::string> positional;
-
-  bool has(const std::string& name) const { return options.count(name) > 0; }
-  const std::string& get(const std::string& name) const { return options.at(name).front(); }
-};
-
-/// "--spp N", or the name alone for a switch.
-std::string usage_of(CommandKind command, const std::string& name) {
-  for (const OptionSpec& option : options_of(command)) {
-    if (option.name == name || option.short_name == name) {
-      return option.value.empty() ? name : name + " " + option.value;
-    }
-  }
-  return "options as in the help text";
-}
-
-void report_unknown(const std::string& place, CommandKind command, const std::string& word,
-                    Diagnostics& diagnostics) {
-  std::vector<std::string> names;
-  for (const OptionSpec& option : options_of(command)) names.push_back(option.name);
-  const std::string name = word.substr(0, word.find('='));
-  const std::string hint = suggest(name, names);
-  diagnostics.push_back(
-      {name, 0, 0,
-       "unknown option" + (hint.empty() ? std::string("; ") : hint + " ") + "see '" + place + " --help'"});
-}
-
-/// Reports options given more often than allowed.
-void check_counts(CommandKind command, const Words& words, Diagnostics& diagnostics) {
-  for (const OptionSpec& option : options_of(command)) {
-    const auto found = words.options.find(option.name);
-    if (option.repeatable || found == words.options.end() || found->second.size() < 2) continue;
-    diagnostics.push_back(
-        {option.name, 0, 0, fmt::format("found {} times; expected once", found->second.size())});
-  }
-}
-
-/// Splits `words` by the option table. Throws InputError for unknown options, and for options without their
-/// value or too often.
-Words split_words(const std::string& place, CommandKind command, std::vector<std::string> words) {
-  CLI::App app;
-  app.set_help_flag();
-  app.allow_extras();
-  Words result;
-  std::map<std::string, bool> switches;
-  for (const OptionSpec& option : options_of(command)) {
-    const std::string names = option.short_name.empty() ? option.name : option.short_name + "," + option.name;
-    if (option.value.empty()) {
-      app.add_flag(names, switches[option.name])->disable_flag_override();
-    } else {
-      // Counted below instead of by the library, for messages that say what was found.
-      CLI::Option* added = app.add_option(names, result.options[option.name]);
-      added->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    }
-  }
-  app.add_option("words", result.positional)->expected(0, std::numeric_limits<int>::max());
-  std::reverse(words.begin(), words.end());
-  try {
-    app.parse(std::move(words));
-  } catch (const CLI::ParseError& error) {
-    // The library's text starts with the option's name.
-    const std::string text = error.what();
-    const std::string name = text.substr(0, text.find_first_of(": "));
-    if (name.starts_with("-")) fail(name, "found no value; expected " + usage_of(command, name));
-    fail(place, text + "; see '" + place + " --help'");
-  }
-  std::erase_if(result.options, [](const auto& item) { return item.second.empty(); });
-  for (const auto& [name, given] : switches) {
-    if (given) result.options[name] = {""};
-  }
-  Diagnostics diagnostics;
-  for (const std::string& word : app.remaining()) {
-    // The mark itself, behind which every word is positional, is handed back too.
-    if (word != "--") report_unknown(place, command, word, diagnostics);
-  }
-  check_counts(command, result, diagnostics);
-  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
-  return result;
-}
+constexpr double kMaxLimit = 1e30;
 
 /// Parses the values of the options that make a RenderRequest.
 class RequestReader {
@@ -129,6 +35,10 @@ class RequestReader {
       diagnostics_.push_back(
           {"--mutations", 0, 0, "found together with --spp, which means the same; expected one"});
     }
+    integer("--rounds", 1, kMaxSamplesPerPixel, request.rounds);
+    integer("--max-mutations", 1, kMaxSamplesPerPixel, request.max_per_pixel);
+    request.target_error = positive("--target-error");
+    request.seconds = positive("--time");
     integer("--depth", 1, kMaxDepth, request.depth);
     integer("--threads", 1, kMaxThreads, request.threads);
     integer("--seed", 0, std::numeric_limits<std::uint64_t>::max(), request.seed);
@@ -175,17 +85,16 @@ class RequestReader {
   static T target_value(const std::optional<T>&);
   static std::uint64_t target_value(const std::uint64_t&);
 
+  std::optional<double> positive(const char* name) {
+    if (!words_.has(name)) return std::nullopt;
+    return parse_double(name, words_.get(name), std::numeric_limits<double>::min(), kMaxLimit, diagnostics_);
+  }
+
   template <class Kind>
   void choose(const char* name, const std::vector<NamedKind>& kinds, Kind& chosen) {
     if (!words_.has(name)) return;
-    const std::string& word = words_.get(name);
-    for (std::size_t i = 0; i < kinds.size(); ++i) {
-      if (kinds[i].name == word) {
-        chosen = static_cast<Kind>(i);
-        return;
-      }
-    }
-    diagnostics_.push_back({name, 0, 0, "found '" + word + "'" + allowed_instead(word, names_of(kinds))});
+    const auto index = choose_word(name, words_.get(name), names_of(kinds), diagnostics_);
+    if (index) chosen = static_cast<Kind>(*index);
   }
 
   void roulette(std::optional<std::uint32_t>& target) {
@@ -215,22 +124,6 @@ std::string default_output(const std::string& scene) {
   return name + ".png";
 }
 
-/// Reports a number of positional words other than `names`; returns whether it was right.
-bool check_positional(const std::string& place, const std::vector<std::string>& words,
-                      const std::vector<std::string>& names, Diagnostics& diagnostics) {
-  for (std::size_t i = words.size(); i < names.size(); ++i) {
-    diagnostics.push_back(
-        {place, 0, 0,
-         names[i] + " is missing; expected " + fmt::format("{} {}", place, fmt::join(names, " "))});
-  }
-  for (std::size_t i = names.size(); i < words.size(); ++i) {
-    diagnostics.push_back({place, 0, 0,
-                           fmt::format("found one word too many, '{}'; expected {} {}", words[i], place,
-                                       fmt::join(names, " "))});
-  }
-  return words.size() == names.size();
-}
-
 Command parse_render(const Words& words) {
   Diagnostics diagnostics;
   RenderCommand command;
@@ -245,6 +138,7 @@ Command parse_render(const Words& words) {
   }
   command.quiet = words.has("--quiet");
   if (words.has("--stats")) command.stats = words.get("--stats");
+  if (words.has("--error-image")) command.error_image = words.get("--error-image");
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.scene = words.positional.front();
   command.outputs = words.has("--output") ? words.options.at("--output")
@@ -261,20 +155,6 @@ Command parse_info(const Words& words) {
   command.warnings = reader.unused(command.request);
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.scene = words.positional.front();
-  return command;
-}
-
-Command parse_compare(const Words& words) {
-  Diagnostics diagnostics;
-  CompareCommand command;
-  check_positional("mlt compare", words.positional, {"A.pfm", "B.pfm"}, diagnostics);
-  if (words.has("--max-relmse")) {
-    command.max_rel_mse =
-        parse_double("--max-relmse", words.get("--max-relmse"), 0, kMaxRelMseLimit, diagnostics);
-  }
-  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
-  command.image = words.positional[0];
-  command.reference = words.positional[1];
   return command;
 }
 
@@ -312,17 +192,18 @@ CommandKind command_of(const std::string& word) {
   if (found != names.end()) return static_cast<CommandKind>(found - names.begin());
   struct stat status {};
   if (::stat(word.c_str(), &status) == 0) {
-    fail("mlt", "found the file '" + word + "' where a command belongs; expected 'mlt render " + word + "'");
+    fail_words("mlt",
+               "found the file '" + word + "' where a command belongs; expected 'mlt render " + word + "'");
   }
   names.insert(names.end(), {"--help", "--version"});
-  fail("mlt", (word.starts_with("-") ? "unknown option '" : "unknown command '") + word + "'" +
-                  allowed_instead(word, names));
+  fail_words("mlt", (word.starts_with("-") ? "unknown option '" : "unknown command '") + word + "'" +
+                        allowed_instead(word, names));
 }
 
 Command parse_help(const std::vector<std::string>& words) {
   if (words.empty() || is_help(words[0])) return TextCommand{general_help()};
   if (words.size() > 1)
-    fail("mlt help", "found one word too many, '" + words[1] + "'; expected mlt help [COMMAND]");
+    fail_words("mlt help", "found one word too many, '" + words[1] + "'; expected mlt help [COMMAND]");
   return TextCommand{command_help(command_of(words[0]))};
 }
 
@@ -330,8 +211,8 @@ Command parse_help(const std::vector<std::string>& words) {
 
 Command parse_command_line(const std::vector<std::string>& words) {
   if (words.empty())
-    fail("mlt", "no command given; expected one of " + fmt::format("{}", fmt::join(command_names(), ", ")) +
-                    "; see 'mlt --help'");
+    fail_words("mlt", "no command given; expected one of " +
+                          fmt::format("{}", fmt::join(command_names(), ", ")) + "; see 'mlt --help'");
   const std::string& first = words[0];
   if (looks_like_number(first)) return parse_classic(words);
   if (is_help(first)) return TextCommand{general_help()};
@@ -339,6 +220,10 @@ Command parse_command_line(const std::vector<std::string>& words) {
   const CommandKind command = command_of(first);
   const std::vector<std::string> rest(words.begin() + 1, words.end());
   if (command == CommandKind::help) return parse_help(rest);
+  if (command == CommandKind::compare) {
+    std::optional<CompareCommand> compare = parse_compare(rest);
+    return compare ? Command{std::move(*compare)} : Command{TextCommand{command_help(command)}};
+  }
   const Words split = split_words("mlt " + first, command, rest);
   if (split.has("--help")) return TextCommand{command_help(command)};
   switch (command) {
@@ -346,8 +231,6 @@ Command parse_command_line(const std::vector<std::string>& words) {
       return parse_render(split);
     case CommandKind::info:
       return parse_info(split);
-    case CommandKind::compare:
-      return parse_compare(split);
     case CommandKind::converge: {
       Diagnostics diagnostics;
       const RenderRequest request = RequestReader(split, diagnostics).read();
@@ -355,6 +238,7 @@ Command parse_command_line(const std::vector<std::string>& words) {
     }
     case CommandKind::report:
       return make_report_command(split.options, split.positional);
+    case CommandKind::compare:
     case CommandKind::help:
       break;
   }

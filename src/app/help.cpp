@@ -59,7 +59,7 @@ std::string exit_codes() {
   };
   constexpr Row kRows[] = {
       {ExitCode::kOk, "done"},
-      {ExitCode::kCompareFailed, "compare: the error lies above --max-relmse"},
+      {ExitCode::kCompareFailed, "compare: an error lies beyond its limit, or --test found a difference"},
       {ExitCode::kBadInput, "the command line, a scene or an image is not valid"},
       {ExitCode::kResourceLimit, "memory, disk or another capacity is not sufficient"},
       {ExitCode::kBug, "an assertion of the renderer failed; the message holds the command that replays it"},
@@ -80,7 +80,8 @@ std::string general_help() {
       "with the same bits from any number of threads.\n\nUsage:\n",
       kVersion);
   text +=
-      "  mlt render SCENE [OPTION]...\n  mlt info SCENE [OPTION]...\n  mlt compare A.pfm B.pfm [OPTION]...\n";
+      "  mlt render SCENE [OPTION]...\n  mlt info SCENE [OPTION]...\n  mlt compare A B [OPTION]...\n"
+      "  mlt compare --test A1 A2 ... -- B1 B2 ... [OPTION]...\n";
   text += "  mlt converge SCENE -o DIR [OPTION]...\n  mlt report DIR [OPTION]...\n";
   text += fmt::format("  {}\n  mlt help [COMMAND]\n  mlt --version\n\nCommands:\n", kClassicUsage);
 #define MLT_ITEM(name, help) text += entry(#name, help);
@@ -109,10 +110,12 @@ std::string command_help(CommandKind command) {
              "the memory plan of the render\nthat the same options of render would start.\n\nOptions:\n" +
              option_entries(command) + "\n" + exit_codes();
     case CommandKind::compare:
-      return "Usage: mlt compare A.pfm B.pfm [OPTION]...\nPrints how far image A is from the reference B: "
-             "MSE, "
-             "relMSE (each squared difference divided by\nB^2 + 0.01), and the mean of A over the mean of "
-             "B.\n\n"
+      return "Usage: mlt compare A B [OPTION]...\n       mlt compare --test A1 A2 ... -- B1 B2 ... "
+             "[OPTION]...\n"
+             "Prints how far image A (PFM or PNG) is from the reference B, by the metrics of "
+             "docs/COMPARE.md; for "
+             "two\nfolders, how far each image of A is from that of the same name in B. With --test it asks "
+             "whether\nrenders A1, A2, ... have the same mean as B1, B2, ..., which differ in their seed.\n\n"
              "Options:\n" +
              option_entries(command) + "\n" + exit_codes();
     case CommandKind::converge:

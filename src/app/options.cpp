@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/compare_command.hpp"
 #include "app/converge_options.hpp"
 #include "app/number.hpp"
 #include "image/format.hpp"
@@ -48,6 +49,8 @@ void add_output_options(std::vector<OptionSpec>& table) {
   table.push_back({"--exposure", "", "EV", false, render,
                    "brightens PNG files by the factor 2^EV, -64 to 64; default 0"});
   table.push_back({"--stats", "", "FILE", false, render, "writes the render's statistics as JSON"});
+  table.push_back({"--error-image", "", "FILE", false, render,
+                   "image of the estimated standard error of each pixel and channel (docs/ESTIMATOR.md)"});
   table.push_back({"--quiet", "-q", "", false, render, "no progress line and no closing summary"});
 }
 
@@ -64,6 +67,18 @@ void add_job_options(std::vector<OptionSpec>& table) {
   add("--spp", "N",
       fmt::format("work per pixel: samples (path) or mutations (pssmlt), 1 to {}", kMaxSamplesPerPixel));
   add("--mutations", "N", "another name of --spp; only one of the two may be given");
+  add("--rounds", "N",
+      fmt::format(
+          "repeats the work N times with new random numbers into one image. Default: 1, or without limit "
+          "with --target-error or --time, of then {} a pixel by default",
+          kDefaultPerRound));
+  add("--target-error", "X",
+      "ends after the first round whose estimated relMSE is at most X, a number above 0");
+  add("--time", "SECONDS",
+      "begins no further round after so many seconds; the summary names the rounds made, which give the same "
+      "image "
+      "as --rounds");
+  add("--max-mutations", "N", "limit of samples or mutations a pixel over all rounds");
   add("--width", "N", fmt::format("image width in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
   add("--height", "N", fmt::format("image height in pixels, 1 to {}; default: the scene's", kMaxFilmSide));
   add("--depth", "N",
@@ -105,12 +120,7 @@ std::vector<OptionSpec> make_table() {
   std::vector<OptionSpec> table;
   add_output_options(table);
   add_job_options(table);
-  table.push_back({"--max-relmse",
-                   "",
-                   "X",
-                   false,
-                   {CommandKind::compare},
-                   "exit with code 1 when relMSE exceeds X, a number of at least 0"});
+  add_compare_options(table);
   table.push_back({"--help",
                    "-h",
                    "",

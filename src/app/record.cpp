@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -63,7 +64,8 @@ std::string shell_quote(const std::string& word) {
   return quoted + "'";
 }
 
-std::string canonical_command(const std::string& scene, const RenderJob& job, float exposure) {
+std::string canonical_command(const std::string& scene, const RenderJob& job, float exposure,
+                              std::uint64_t rounds) {
   // Behind "--", a name that starts with a hyphen is not taken for an option.
   const std::string name = (scene.starts_with("-") ? "./" : "") + scene;
   const bool is_pssmlt = job.integrator == IntegratorKind::pssmlt;
@@ -77,6 +79,7 @@ std::string canonical_command(const std::string& scene, const RenderJob& job, fl
                     job.bootstrap, job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
                     mutation_kinds()[static_cast<std::size_t>(job.mutation)].name);
   }
+  if (job.in_rounds) command += fmt::format(" --rounds {}", std::max<std::uint64_t>(rounds, 1));
   command += " --roulette " + (job.roulette == 0 ? std::string("off") : std::to_string(job.roulette));
   if (exposure != 0.0f) command += fmt::format(" --exposure {}", exposure);
   return command;
@@ -127,6 +130,11 @@ std::string to_json(const RenderRecord& record) {
   object.add("cpu_seconds", statistics.cpu_seconds);
   object.add("samples", statistics.samples);
   object.add("mutations", statistics.mutations);
+  object.add("rounds", statistics.rounds);
+  if (statistics.error.known) {
+    object.add("rel_mse_estimate", statistics.error.rel_mse);
+    object.add("rel_mse_standard_error", statistics.error.standard_error);
+  }
   object.add("b", statistics.b);
   object.add("b_standard_error", statistics.b_standard_error);
   object.add("acceptance_large", statistics.acceptance_large);
@@ -162,10 +170,18 @@ std::string summary(const RenderRecord& record) {
     add("longest rejection run", std::to_string(statistics.longest_rejection_run));
   }
   add("b", fmt::format("{:.6g} +- {:.2g}", statistics.b, statistics.b_standard_error));
+  if (record.job.in_rounds) add("rounds", fmt::format("{}", statistics.rounds));
+  if (statistics.error.known) {
+    const double error = 1.96 * statistics.error.standard_error;
+    add("estimated relMSE",
+        fmt::format("{:.3g}, 95 % within {:.3g} and {:.3g}", statistics.error.rel_mse,
+                    std::max(0.0, statistics.error.rel_mse - error), statistics.error.rel_mse + error));
+  }
   add("rejected non-finite",
       fmt::format("{} (NaN {}, infinite {}, negative {})", statistics.rejected_non_finite(),
                   statistics.rejected_nan, statistics.rejected_infinite, statistics.rejected_negative));
   add("film hash", statistics.film_hash);
+  if (record.job.in_rounds) add("same image by", record.command);
   return text;
 }
 

@@ -27,6 +27,7 @@ void check_outputs(const RenderCommand& command) {
     }
   };
   std::vector<std::string> paths = command.outputs;
+  if (command.error_image) paths.push_back(*command.error_image);
   for (const std::string& path : paths) collect([&path] { static_cast<void>(image_format_of(path)); });
   if (command.stats) paths.push_back(*command.stats);
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -51,7 +52,7 @@ void write_statistics(const std::string& path, const RenderRecord& record) {
 }
 
 /// Writes all outputs; the first failure is thrown after the rest has been tried.
-void write_outputs(const RenderCommand& command, const ImageView& image, RenderRecord& record) {
+void write_outputs(const RenderCommand& command, const Renderer& renderer, RenderRecord& record) {
   std::exception_ptr first_failure;
   const auto attempt = [&first_failure](const auto& write) {
     try {
@@ -61,7 +62,11 @@ void write_outputs(const RenderCommand& command, const ImageView& image, RenderR
     }
   };
   const ImageOptions options{command.exposure, image_metadata(record)};
-  for (const std::string& path : command.outputs) attempt([&] { write_image(path, image, options); });
+  for (const std::string& path : command.outputs)
+    attempt([&] { write_image(path, renderer.image(), options); });
+  if (command.error_image) {
+    attempt([&] { write_image(*command.error_image, renderer.standard_errors().view(), options); });
+  }
   // Taken last, so that it includes what writing images needs.
   record.peak_memory_bytes = peak_memory_bytes();
   if (command.stats) attempt([&] { write_statistics(*command.stats, record); });
@@ -86,14 +91,14 @@ ExitCode run_render(const RenderCommand& command) {
 
   RenderRecord record;
   record.job = job;
-  record.command = canonical_command(command.scene, job, command.exposure);
   record.planned_memory_bytes = renderer.memory_plan().total_bytes();
   {
     const bool enabled = !command.quiet && ::isatty(STDERR_FILENO) == 1;
     ProgressLine line(enabled, job.integrator == IntegratorKind::pssmlt ? "mutations" : "samples");
     record.statistics = renderer.run(stop_requested(), ProgressLine::update, &line);
   }
-  write_outputs(command, renderer.image(), record);
+  record.command = canonical_command(command.scene, job, command.exposure, record.statistics.rounds);
+  write_outputs(command, renderer, record);
 
   if (record.statistics.black) {
     print_warnings({command.scene + ": no path carried light; the image is black"});
@@ -115,7 +120,7 @@ ExitCode run_info(const InfoCommand& command) {
 
   std::string text;
   for (const InfoLine& line : renderer.info()) text += fmt::format("{:<32}{}\n", line.name, line.value);
-  text += fmt::format("{:<32}{}\n", "command", canonical_command(command.scene, job, 0));
+  text += fmt::format("{:<32}{}\n", "command", canonical_command(command.scene, job, 0, job.max_rounds));
   const MemoryPlan& plan = renderer.memory_plan();
   text += "\nmemory plan (blocks of the scene's compilation and of the render share their storage)\n";
   text +=

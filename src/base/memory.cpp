@@ -45,12 +45,6 @@ std::size_t MemoryPlan::total_bytes() const {
   return bytes(Lifetime::kScene) + std::max(bytes(Lifetime::kScratch), bytes(Lifetime::kRender));
 }
 
-void MemoryPlan::require_within(std::size_t limit_bytes) const {
-  if (total_bytes() <= limit_bytes) return;
-  throw ResourceError("the job needs " + std::to_string(total_bytes()) +
-                      " bytes of memory, and --memory allows " + std::to_string(limit_bytes));
-}
-
 Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan.total_bytes(), kCacheLine)) {
   // MAP_POPULATE touches every page now, so that none faults between render begin and render end.
   void* mapping =

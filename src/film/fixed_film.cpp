@@ -8,15 +8,14 @@ void add_films(std::span<FilmPixel> sum, std::span<const FilmPixel> source, std:
     for (int channel = 0; channel < 3; ++channel) {
       sum[i].metropolis[channel] += source[i].metropolis[channel];
       sum[i].uniform[channel] += source[i].uniform[channel];
+      sum[i].difference[channel] += source[i].difference[channel];
     }
   }
 }
 
 void develop_film(std::span<const FilmPixel> film, const FilmNormalisation& normalisation,
                   std::span<Vec3> image, std::size_t first, std::size_t last) {
-  const double unit = static_cast<double>(std::uint64_t{1} << normalisation.fraction_bits);
-  const double scale =
-      static_cast<double>(film.size()) / (static_cast<double>(normalisation.mutations) * unit);
+  const double scale = film_scale(normalisation, film.size());
   const double metropolis = normalisation.b * scale;
   const double uniform = normalisation.weight_b * scale;
   for (std::size_t i = first; i < last; ++i) {

@@ -1,5 +1,6 @@
 #include "image/format.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "base/error.hpp"
@@ -35,6 +36,11 @@ std::string image_extensions() {
   std::string text;
   for (const std::string& extension : extensions()) text += (text.empty() ? "" : ", ") + extension;
   return text;
+}
+
+bool has_image_extension(const std::string& path) {
+  const std::vector<std::string>& all = extensions();
+  return std::find(all.begin(), all.end(), extension_of(path)) != all.end();
 }
 
 ImageFormat image_format_of(const std::string& path) {

@@ -1,15 +1,9 @@
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <bit>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <string_view>
 
-#include "base/error.hpp"
 #include "image/image_io.hpp"
+#include "image/input_file.hpp"
 #include "render/job.hpp"
 
 namespace mlt {
@@ -26,55 +20,12 @@ struct PfmHeader {
   std::size_t bytes = 0;  ///< offset of the first value
 };
 
-class PfmFile {
- public:
-  explicit PfmFile(const std::string& path) : path_(path) {
-    // Not blocking, since opening a pipe for reading would wait for a writer.
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (descriptor_ < 0)
-      fail(std::string("cannot be read: ") + std::strerror(errno) + "; expected a PFM image");
-    struct stat status {};
-    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-      ::close(descriptor_);
-      fail("is not a regular file; expected a PFM image");
-    }
-    size_ = static_cast<std::uint64_t>(status.st_size);
-  }
-  ~PfmFile() { ::close(descriptor_); }
-  PfmFile(const PfmFile&) = delete;
-  PfmFile& operator=(const PfmFile&) = delete;
-
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(Diagnostic{path_, 0, 0, message});
-  }
-
-  /// Up to `size` bytes from `offset`; fewer only at the file's end.
-  std::size_t read(void* bytes, std::size_t size, std::uint64_t offset) const {
-    std::size_t done = 0;
-    while (done < size) {
-      const ssize_t count = ::pread(descriptor_, static_cast<char*>(bytes) + done, size - done,
-                                    static_cast<off_t>(offset + done));
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) fail(std::string("cannot be read: ") + std::strerror(errno));
-      if (count == 0) break;
-      done += static_cast<std::size_t>(count);
-    }
-    return done;
-  }
-  std::uint64_t size() const { return size_; }
-
- private:
-  std::string path_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
-};
-
 bool is_space(char letter) {
   return letter == ' ' || letter == '\n' || letter == '\t' || letter == '\r';
 }
 
 /// Takes the next token and the one white-space character behind it off `rest`.
-std::string_view take_token(const PfmFile& file, std::string_view& rest) {
+std::string_view take_token(const InputFile& file, std::string_view& rest) {
   while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
   std::size_t length = 0;
   while (length < rest.size() && !is_space(rest[length])) ++length;
@@ -91,7 +42,7 @@ std::string printable(std::string_view token) {
   return text;
 }
 
-std::uint32_t parse_side(const PfmFile& file, const char* name, std::string_view token) {
+std::uint32_t parse_side(const InputFile& file, const char* name, std::string_view token) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
   if (error != std::errc{} || end != token.data() + token.size() || value < 1 || value > kMaxFilmSide) {
@@ -101,7 +52,7 @@ std::uint32_t parse_side(const PfmFile& file, const char* name, std::string_view
   return value;
 }
 
-PfmHeader parse_header(const PfmFile& file) {
+PfmHeader parse_header(const InputFile& file) {
   char bytes[kMaxHeaderBytes];
   const std::string_view all(bytes, file.read(bytes, sizeof bytes, 0));
   std::string_view rest = all;
@@ -136,8 +87,8 @@ float decode(const std::uint8_t* bytes, bool little_endian) {
 
 }  // namespace
 
-PfmImage read_pfm(const std::string& path) {
-  const PfmFile file(path);
+LoadedImage read_pfm(const std::string& path) {
+  const InputFile file(path, "a PFM image");
   const PfmHeader header = parse_header(file);
   // At most 2^16 * 2^16 * 12, far below 2^64.
   const std::uint64_t row_bytes = std::uint64_t{4} * header.channels * header.width;
@@ -147,7 +98,7 @@ PfmImage read_pfm(const std::string& path) {
               " for " + std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels of " +
               std::to_string(header.channels) + " channels");
   }
-  PfmImage result;
+  LoadedImage result;
   result.image.width = header.width;
   result.image.height = header.height;
   result.image.pixels.resize(std::size_t{header.width} * header.height, Vec3{0, 0, 0});

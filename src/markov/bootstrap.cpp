@@ -31,8 +31,9 @@ std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, doubl
   return first;
 }
 
-double seed_position(std::uint64_t seed, std::uint64_t chain, std::uint64_t chains, double total) {
-  const double u = Rng(seed, StreamPurpose::kSeedSelection, 0).next_float();
+double seed_position(std::uint64_t seed, std::uint64_t round, std::uint64_t chain, std::uint64_t chains,
+                     double total) {
+  const double u = Rng(seed, StreamPurpose::kSeedSelection, round).next_float();
   return (static_cast<double>(chain) + u) / static_cast<double>(chains) * total;
 }
 

@@ -32,15 +32,17 @@ std::string hash_metropolis_film(const RenderStorage& storage, const FilmNormali
   update(hash, normalisation.fraction_bits);
   update(hash, std::bit_cast<std::uint64_t>(normalisation.b));
   update(hash, std::bit_cast<std::uint64_t>(normalisation.weight_b));
-  const std::span<const FilmPixel> film = storage.workers[0].film;
-  hash.update(film.data(), film.size_bytes());
+  for (const FilmPixel& pixel : storage.workers[0].film) {
+    hash.update(pixel.metropolis, sizeof pixel.metropolis);
+    hash.update(pixel.uniform, sizeof pixel.uniform);
+  }
   return to_hex(hash.finish());
 }
 
-std::string hash_path_film(const RenderStorage& storage) {
+std::string hash_path_film(const RenderStorage& storage, std::uint64_t rounds) {
   Sha256 hash = begin(kPathFormat, storage);
-  update(hash, storage.job.samples_per_pixel);
-  hash.update(storage.pixels.data(), storage.pixels.size_bytes());
+  update(hash, storage.job.samples_per_pixel * rounds);
+  for (const PixelSum& pixel : storage.pixels) hash.update(pixel.channels, sizeof pixel.channels);
   return to_hex(hash.finish());
 }
 

@@ -55,6 +55,36 @@ void require_headroom(std::uint64_t mutations) {
                       "; render with several seeds and average the images");
 }
 
+/// How many rounds there may be: as many as asked for, else as many as the limits allow where something ends
+/// them, else one.
+void resolve_rounds(const RenderRequest& request, RequestChecker& checker, RenderJob& job) {
+  checker.check(request.target_error.value_or(1.0) > 0.0, "--target-error",
+                std::to_string(request.target_error.value_or(1.0)), "a number above 0");
+  checker.check(request.seconds.value_or(1.0) > 0.0, "--time", std::to_string(request.seconds.value_or(1.0)),
+                "a number above 0");
+  job.target_error = request.target_error.value_or(0.0);
+  job.seconds = request.seconds.value_or(0.0);
+  const bool metropolis = job.integrator == IntegratorKind::pssmlt;
+  const std::uint64_t pixels = std::uint64_t{job.width} * job.height;
+  const std::uint64_t most = std::max<std::uint64_t>(
+      1, (metropolis ? kMaxMutations / pixels : kMaxSamplesPerPixel) / job.samples_per_pixel);
+  const bool ends = request.target_error || request.seconds;
+  checker.check(!request.target_error || metropolis || job.samples_per_pixel >= 4, "--target-error",
+                "rounds of " + std::to_string(job.samples_per_pixel) + " samples a pixel",
+                "at least 4, whose differences tell the error");
+  job.max_rounds = request.rounds.value_or(ends ? most : 1);
+  if (request.max_per_pixel) {
+    checker.check(*request.max_per_pixel >= job.samples_per_pixel, "--max-mutations",
+                  std::to_string(*request.max_per_pixel),
+                  "at least one round of " + std::to_string(job.samples_per_pixel));
+    job.max_rounds =
+        std::min(job.max_rounds, std::max<std::uint64_t>(1, *request.max_per_pixel / job.samples_per_pixel));
+  }
+  checker.check(
+      job.max_rounds >= 1 && job.max_rounds <= most, "--rounds", std::to_string(job.max_rounds),
+      "1 to " + std::to_string(most) + " with " + std::to_string(job.samples_per_pixel) + " a pixel each");
+}
+
 }  // namespace
 
 RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene) {
@@ -65,10 +95,14 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   job.integrator = request.integrator;
   job.width = checker.in_range("--width", request.width.value_or(scene.film_width), 1U, kMaxFilmSide);
   job.height = checker.in_range("--height", request.height.value_or(scene.film_height), 1U, kMaxFilmSide);
-  job.samples_per_pixel = checker.in_range(
-      metropolis ? "--mutations" : "--spp",
-      request.samples_per_pixel.value_or(metropolis ? kDefaultMutationsPerPixel : kDefaultSamplesPerPixel),
-      std::uint64_t{1}, kMaxSamplesPerPixel);
+  job.in_rounds = request.rounds || request.target_error || request.seconds;
+  job.samples_per_pixel =
+      checker.in_range(metropolis ? "--mutations" : "--spp",
+                       request.samples_per_pixel.value_or(job.in_rounds ? kDefaultPerRound
+                                                          : metropolis  ? kDefaultMutationsPerPixel
+                                                                        : kDefaultSamplesPerPixel),
+                       std::uint64_t{1}, kMaxSamplesPerPixel);
+  resolve_rounds(request, checker, job);
   job.depth =
       checker.in_range("--depth", request.depth.value_or(scene.depth.value_or(kDefaultDepth)), 1U, kMaxDepth);
   job.threads = checker.in_range(
@@ -92,7 +126,7 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   if (metropolis) {
     const std::uint64_t pixels = std::uint64_t{job.width} * job.height;
     const std::uint64_t mutations = pixels * job.samples_per_pixel;
-    require_headroom(mutations);
+    require_headroom(mutations * job.max_rounds);
     const std::uint64_t fitting = std::max<std::uint64_t>(1, mutations / kMinDefaultChainLength);
     const auto default_chains = static_cast<std::uint32_t>(std::min<std::uint64_t>(kDefaultChains, fitting));
     job.chains = checker.in_range("--chains", request.chains.value_or(default_chains), 1U, kMaxChains);
@@ -100,6 +134,8 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
         "--bootstrap",
         request.bootstrap.value_or(std::max(kMinDefaultBootstrap, mutations / kBootstrapShare)),
         std::uint64_t{1}, kMaxBootstrap);
+    checker.check(job.chains > 1 || !request.target_error, "--target-error", "a job of one chain",
+                  "at least two chains, whose difference tells the error");
     checker.check(job.chains <= mutations, "--chains", std::to_string(job.chains),
                   "at most one chain a mutation, " + std::to_string(mutations));
     checker.finish();

@@ -47,6 +47,7 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
   workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
   slots.world = kernel_set(job.instruction_set).plan_world(memory, counts);
   slots.image = memory.add<Vec3>("image", Lifetime::kScene, pixel_count());
+  slots.error_blocks = memory.add<ErrorSums>("error estimate", Lifetime::kScene, pixel_units());
   slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
   slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
   if (is_metropolis()) {
@@ -85,6 +86,7 @@ void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {
   storage.job = job;
   storage.path = PathSettings{job.depth, job.roulette};
   storage.image = arena.take(slots.image);
+  storage.error_blocks = arena.take(slots.error_blocks);
   storage.workers = arena.take(slots.workers);
   if (is_metropolis()) {
     take_metropolis_storage(arena, storage);
@@ -96,7 +98,8 @@ void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {
 
 void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) const {
   storage.mutations = pixel_count() * job.samples_per_pixel;
-  storage.fraction_bits = film_fraction_bits(storage.mutations);
+  // Jobs that differ in the number of rounds alone give the same film as long as both run.
+  storage.fraction_bits = job.in_rounds ? kMinFractionBits : film_fraction_bits(storage.mutations);
   storage.bootstrap = arena.take(slots.bootstrap);
   storage.chains = arena.take(slots.chains);
   const std::span<PrimarySample> samples = arena.take(slots.samples);

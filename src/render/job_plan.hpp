@@ -28,7 +28,10 @@ struct RenderSlots {
   Slot<PixelSum> pixels;
   Slot<TileStatistics> tiles;
   Slot<Vec3> image;
+  Slot<ErrorSums> error_blocks;
 };
+
+inline constexpr std::uint64_t kPixelsPerUnit = 256;  ///< of summing, development and error estimation
 
 struct JobPlan {
   JobPlan(const WorldCounts& counts, const RenderJob& render_job);
@@ -40,6 +43,7 @@ struct JobPlan {
   void take_storage(Arena& arena, RenderStorage& storage) const;
 
   std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
+  std::uint64_t pixel_units() const { return (pixel_count() + kPixelsPerUnit - 1) / kPixelsPerUnit; }
   bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
 
   RenderJob job;

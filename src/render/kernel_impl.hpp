@@ -30,10 +30,10 @@ template <FeatureMask kFeatures>
 SeedPath find_start(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                     const WorkerStorage& own, std::uint64_t chain) {
   // The first path that carries light lies where the cumulative luminance is still 0.
-  const double position =
-      storage.job.start == StartKind::first_hit
-          ? 0.0
-          : seed_position(storage.job.seed, chain, storage.job.chains, storage.bootstrap_moments.sum);
+  const double position = storage.job.start == StartKind::first_hit
+                              ? 0.0
+                              : seed_position(storage.job.seed, storage.round, chain, storage.job.chains,
+                                              storage.bootstrap_moments.sum);
   Contribution contribution(own.chain.proposed);
   return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
                         contribution);
@@ -45,10 +45,10 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   const WorkerStorage& own = storage.workers[worker];
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
   const SeedPath start = find_start(integrator, storage, own, index);
-  FixedFilm film(own.film, storage.fraction_bits);
+  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains));
   ChainSettings settings;
   settings.seed = storage.job.seed;
-  settings.chain_index = index;
+  settings.chain_index = storage.round * storage.job.chains + index;
   settings.mutations = chain_length(storage.mutations, storage.job.chains, index);
   settings.large_step = storage.job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
@@ -63,23 +63,23 @@ template <FeatureMask kFeatures>
 void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                   PixelSampler& sampler, std::uint32_t x, std::uint32_t y, TileStatistics& statistics) {
   const std::uint32_t pixel = y * storage.job.width + x;
-  PixelSum sum;
+  PixelSum& sum = storage.pixels[pixel];
   ReplayContext& context = replay_context();
-  for (std::uint64_t i = 0; i < storage.job.samples_per_pixel; ++i) {
+  const std::uint64_t count = storage.job.samples_per_pixel;
+  for (std::uint64_t i = 0; i < count; ++i) {
     context.step = i;
-    sampler.start(x, y, static_cast<std::uint32_t>(i));
+    sampler.start(x, y, static_cast<std::uint32_t>(i), storage.round);
     integrator.evaluate(sampler, [&](const Splat& splat) {
       MLT_CHECK_OP(splat.pixel, ==, pixel);
       if (statistics.defects.reject(splat.value)) {
         statistics.luminance.add(0.0);
         return;
       }
-      sum.add(splat.value);
+      sum.add(splat.value, quarter_of(i, count));
       statistics.luminance.add(luminance(splat.value));
     });
   }
-  storage.pixels[pixel] = sum;
-  storage.image[pixel] = develop_pixel(sum, storage.job.samples_per_pixel);
+  storage.image[pixel] = develop_pixel(sum, (storage.round + 1) * count);
 }
 
 template <FeatureMask kFeatures>
@@ -105,7 +105,8 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
       render_pixel(integrator, storage, sampler, x, y, statistics);
     }
   }
-  storage.tiles[tile] = statistics;
+  storage.tiles[tile].luminance.add(statistics.luminance);
+  storage.tiles[tile].defects.add(statistics.defects);
   storage.done.fetch_add(std::uint64_t{last_x - first_x} * (last_y - first_y) * job.samples_per_pixel,
                          std::memory_order_relaxed);
 }

@@ -17,12 +17,6 @@
 namespace mlt {
 namespace {
 
-constexpr std::uint64_t kPixelsPerSumUnit = 4096;
-
-std::uint64_t divide_up(std::uint64_t value, std::uint64_t unit) {
-  return (value + unit - 1) / unit;
-}
-
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
@@ -57,6 +51,8 @@ struct Usage {
 
 }  // namespace
 
+struct EstimateContext;
+
 struct Renderer::State {
   State(const SceneDescription& description, const RenderJob& job)
       : scene(description), counts(count_world(description)), plan(counts, job) {
@@ -65,9 +61,13 @@ struct Renderer::State {
 
   std::uint64_t run_phase(const char* stage, UnitFunction function, std::uint64_t units, bool stoppable);
   void render_metropolis();
+  bool run_chains(ChainStatistics& total);
+  void develop_metropolis(const ChainStatistics& total);
   void render_path();
-  void develop_metropolis(std::uint64_t finished_chains);
   void collect_path();
+  bool wants_another_round();
+  EstimateContext error_context() const;
+  void estimate();
   static void report_progress(void* state);
 
   const SceneDescription& scene;
@@ -103,7 +103,7 @@ void Renderer::State::report_progress(void* context) {
 }
 
 void Renderer::State::render_metropolis() {
-  progress_total = storage.mutations;
+  progress_total = storage.mutations * plan.job.max_rounds;
   const std::uint64_t chunks = storage.bootstrap.size();
   const std::uint64_t chunks_run = run_phase("bootstrap", plan.kernel.bootstrap_chunk, chunks, true);
   statistics.partial = chunks_run < chunks;
@@ -111,13 +111,37 @@ void Renderer::State::render_metropolis() {
       accumulate_bootstrap(storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
   for (const BootstrapChunk& chunk : storage.bootstrap) add_defects(statistics, chunk.defects);
 
-  std::uint64_t finished_chains = 0;
+  ChainStatistics total;
   statistics.black = !(storage.bootstrap_moments.sum > 0.0);
   if (!statistics.partial && !statistics.black) {
-    finished_chains = run_phase("chain", plan.kernel.chain, plan.job.chains, true);
-    statistics.partial = finished_chains < plan.job.chains;
+    do {
+      statistics.partial = !run_chains(total);
+      develop_metropolis(total);
+    } while (wants_another_round());
+  } else {
+    develop_metropolis(total);
   }
-  develop_metropolis(finished_chains);
+  add_defects(statistics, total.defects);
+}
+
+/// One round of all chains; false when it was stopped before its end.
+bool Renderer::State::run_chains(ChainStatistics& total) {
+  const std::uint64_t finished = run_phase("chain", plan.kernel.chain, plan.job.chains, true);
+  for (std::uint64_t i = 0; i < finished; ++i) total.add(storage.chains[i]);
+  return finished == plan.job.chains;
+}
+
+/// Called at the end of a round, with the image developed.
+bool Renderer::State::wants_another_round() {
+  if (!statistics.partial) statistics.rounds = storage.round + 1;
+  estimate();
+  if (statistics.partial) return false;
+  storage.round += 1;
+  if (storage.round >= plan.job.max_rounds) return false;
+  if (plan.job.target_error > 0.0 && statistics.error.known &&
+      statistics.error.rel_mse <= plan.job.target_error)
+    return false;
+  return plan.job.seconds <= 0.0 || monotonic_seconds() - begin_seconds < plan.job.seconds;
 }
 
 struct DevelopContext {
@@ -125,21 +149,22 @@ struct DevelopContext {
   const FilmNormalisation& normalisation;
 };
 
-/// Sums the workers' films and develops the image, for one range of pixels.
+/// Moves the workers' films into the first one's and develops the image, for one range of pixels.
 void develop_unit(void* context, std::uint32_t, std::uint64_t unit) {
   const auto& [storage, normalisation] = *static_cast<const DevelopContext*>(context);
-  const std::size_t first = unit * kPixelsPerSumUnit;
-  const std::size_t last = std::min<std::size_t>(first + kPixelsPerSumUnit, storage.image.size());
+  const std::size_t first = unit * kPixelsPerUnit;
+  const std::size_t last = std::min<std::size_t>(first + kPixelsPerUnit, storage.image.size());
   const std::span<FilmPixel> sum = storage.workers[0].film;
   for (std::size_t i = 1; i < storage.workers.size(); ++i) {
-    add_films(sum, storage.workers[i].film, first, last);
+    const std::span<FilmPixel> film = storage.workers[i].film;
+    add_films(sum, film, first, last);
+    std::fill(film.begin() + static_cast<std::ptrdiff_t>(first),
+              film.begin() + static_cast<std::ptrdiff_t>(last), FilmPixel{});
   }
   if (normalisation.mutations > 0) develop_film(sum, normalisation, storage.image, first, last);
 }
 
-void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
-  ChainStatistics total;
-  for (std::uint64_t i = 0; i < finished_chains; ++i) total.add(storage.chains[i]);
+void Renderer::State::develop_metropolis(const ChainStatistics& total) {
   LuminanceMoments moments = storage.bootstrap_moments;
   moments.add(total.large_steps);
   // The weights' b was rounded to float for the chains; the same number must develop their film.
@@ -147,8 +172,7 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
                                     static_cast<double>(static_cast<float>(storage.bootstrap_moments.mean())),
                                     total.mutations, storage.fraction_bits};
   DevelopContext context{storage, normalisation};
-  pool.run(Phase{"develop", &develop_unit, &context, divide_up(plan.pixel_count(), kPixelsPerSumUnit), false},
-           *stop, nullptr, nullptr);
+  pool.run(Phase{"develop", &develop_unit, &context, plan.pixel_units(), false}, *stop, nullptr, nullptr);
 
   const std::uint64_t large_steps = total.large_steps.count;
   statistics.samples = storage.bootstrap_moments.count + total.mutations;
@@ -160,14 +184,16 @@ void Renderer::State::develop_metropolis(std::uint64_t finished_chains) {
   statistics.acceptance_small =
       total.small_steps == 0 ? 0.0 : total.acceptance_small / static_cast<double>(total.small_steps);
   statistics.longest_rejection_run = total.longest_rejection_run;
-  add_defects(statistics, total.defects);
 }
 
 void Renderer::State::render_path() {
-  progress_total = plan.pixel_count() * plan.job.samples_per_pixel;
+  progress_total = plan.pixel_count() * plan.job.samples_per_pixel * plan.job.max_rounds;
   const std::uint64_t tiles = storage.tiles.size();
   storage.stop = stop;
-  statistics.partial = run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles || storage.left_early;
+  do {
+    statistics.partial =
+        run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles || storage.left_early;
+  } while (wants_another_round());
   collect_path();
 }
 
@@ -181,6 +207,60 @@ void Renderer::State::collect_path() {
   statistics.b = moments.mean();
   statistics.b_standard_error = moments.standard_error();
   statistics.black = !(moments.sum > 0.0);
+}
+
+struct EstimateContext {
+  const RenderStorage& storage;
+  ImageView image;
+  bool is_metropolis;
+  double scale;             ///< of pixel_differences
+  double b_relative_error;  ///< of a factor common to all pixels
+};
+
+PixelDifferences differences_of(const EstimateContext& context, std::size_t pixel) {
+  PixelDifferences differences =
+      context.is_metropolis ? pixel_differences(context.storage.workers[0].film[pixel], context.scale)
+                            : pixel_differences(context.storage.pixels[pixel], context.scale);
+  for (int c = 0; c < 3; ++c) {
+    const double common = static_cast<double>(context.image.pixels[pixel][c]) * context.b_relative_error;
+    differences.halves[c] += common * common;
+  }
+  return differences;
+}
+
+void estimate_unit(void* context, std::uint32_t, std::uint64_t unit) {
+  const auto& own = *static_cast<const EstimateContext*>(context);
+  const std::size_t first = unit * kPixelsPerUnit;
+  const std::size_t last = std::min<std::size_t>(first + kPixelsPerUnit, own.image.pixels.size());
+  ErrorSums sum;
+  for (std::size_t i = first; i < last; ++i) {
+    const auto x = static_cast<std::uint32_t>(i % own.image.width);
+    const auto y = static_cast<std::uint32_t>(i / own.image.width);
+    const ErrorSums pixel = relative_differences(own.image, x, y, differences_of(own, i));
+    sum.halves += pixel.halves;
+    sum.quarters += pixel.quarters;
+  }
+  own.storage.error_blocks[unit] = sum;
+}
+
+EstimateContext Renderer::State::error_context() const {
+  EstimateContext context{
+      storage, {plan.job.width, plan.job.height, storage.image}, plan.is_metropolis(), 0, 0};
+  if (plan.is_metropolis()) {
+    context.scale = film_scale(normalisation, storage.image.size()) * normalisation.weight_b;
+    if (statistics.b > 0.0) context.b_relative_error = statistics.b_standard_error / statistics.b;
+  } else {
+    context.scale = 1.0 / static_cast<double>(statistics.rounds * plan.job.samples_per_pixel);
+  }
+  return context;
+}
+
+void Renderer::State::estimate() {
+  const bool has_parts = plan.is_metropolis() ? plan.job.chains > 1 : plan.job.samples_per_pixel >= 4;
+  if (!has_parts || statistics.partial || (plan.is_metropolis() && normalisation.mutations == 0)) return;
+  EstimateContext context = error_context();
+  pool.run(Phase{"estimate", &estimate_unit, &context, plan.pixel_units(), false}, *stop, nullptr, nullptr);
+  statistics.error = estimate_error(storage.error_blocks, plan.pixel_count(), !plan.is_metropolis());
 }
 
 Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)
@@ -234,14 +314,27 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
   state.statistics.wall_seconds = end.wall - begin.wall;
   state.statistics.cpu_seconds = end.cpu - begin.cpu;
   state.statistics.minor_faults = end.minor_faults - begin.minor_faults;
-  state.statistics.film_hash = state.plan.is_metropolis()
-                                   ? hash_metropolis_film(state.storage, state.normalisation)
-                                   : hash_path_film(state.storage);
+  state.statistics.film_hash =
+      state.plan.is_metropolis()
+          ? hash_metropolis_film(state.storage, state.normalisation)
+          : hash_path_film(state.storage, std::max<std::uint64_t>(state.statistics.rounds, 1));
   return state.statistics;
 }
 
 ImageView Renderer::image() const {
   return {state_->plan.job.width, state_->plan.job.height, state_->storage.image};
+}
+
+ImageBuffer Renderer::standard_errors() const {
+  const State& state = *state_;
+  const RenderJob& job = state.plan.job;
+  std::vector<PixelDifferences> differences(state.plan.pixel_count());
+  if (state.statistics.error.known) {
+    const EstimateContext context = state.error_context();
+    for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = differences_of(context, i);
+  }
+  return {job.width, job.height,
+          smooth_standard_errors(differences, state.statistics.error.factor, job.width, job.height)};
 }
 
 }  // namespace mlt

@@ -7,6 +7,7 @@
 #include "scene/limits.hpp"
 #include "scene/parse.hpp"
 #include "scene/parser_state.hpp"
+#include "scene/precision.hpp"
 
 namespace mlt {
 namespace {
@@ -208,6 +209,7 @@ SceneDescription SceneParser::finish(const std::string& path) {
   for (const SphereDescription& sphere : scene.spheres) lit = lit || sphere.attributes.emission.has_value();
   for (const MeshDescription& mesh : scene.meshes) lit = lit || mesh.attributes.emission.has_value();
   if (!lit) state_.diagnostics.warn(whole, "the scene has no light; its image is black");
+  warn_of_lost_precision(scene, state_.diagnostics);
   scene.path = path;
   scene.warnings = state_.diagnostics.warnings();
   return std::move(scene);

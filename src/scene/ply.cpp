@@ -8,6 +8,7 @@
 #include "scene/limits.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/ply_header.hpp"
+#include "scene/precision.hpp"
 
 namespace mlt {
 namespace {
@@ -58,6 +59,13 @@ int axis_of(const PlyProperty& property) {
   return property.name == "z" ? 2 : -1;
 }
 
+bool has_float_position(const PlyElement& element) {
+  for (const PlyProperty& property : element.properties) {
+    if (axis_of(property) >= 0 && property.type == PlyType::kFloat) return true;
+  }
+  return false;
+}
+
 MeshData PlyReader::read() {
   check_layout();
   for (const PlyElement& element : header_.elements) {
@@ -65,6 +73,10 @@ MeshData PlyReader::read() {
     record_ = 0;
     if (element.name == "vertex") {
       read_vertices(element);
+      if (!header_.ascii && has_float_position(element)) {
+        const std::string warning = warning_of_coarse_floats(mesh_.vertices);
+        if (!warning.empty()) mesh_.warnings.push_back(warning);
+      }
     } else if (element.name == "face") {
       read_faces(element);
     } else {

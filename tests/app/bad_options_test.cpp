@@ -103,6 +103,19 @@ TEST_CASE("words that are not known get the nearest valid ones") {
       {{"compare", "a.pfm", "b.pfm", "--max-relms", "1"}, {"--max-relms: unknown option", "'--max-relmse'"}},
       {{"compare", "a.pfm", "b.pfm", "--max-relmse", "nan"},
        {"--max-relmse: found 'nan'; expected a number from 0"}},
+      {{"compare", "a.pfm", "b.pfm", "--flip", "sdr"}, {"--flip: found 'sdr'", "ldr, hdr"}},
+      {{"compare", "a.pfm", "b.pfm", "--heat-metric", "relmes"},
+       {"--heat-metric: found 'relmes'", "did you mean 'relmse'", "mean_error"}},
+      {{"compare", "a.pfm", "b.pfm", "--pixels-per-degree", "0.5"},
+       {"--pixels-per-degree: found '0.5'; expected a number from 1 to 1000"}},
+      {{"compare", "a.pfm", "b.pfm", "--heat-range", "0"}, {"--heat-range: found '0'"}},
+      {{"compare", "a.pfm", "b.pfm", "--alpha", "0.1"}, {"--alpha: has a meaning only together with --test"}},
+      {{"compare", "--test", "a.pfm", "b.pfm"}, {"found 2 and 0 images", "-- B1 B2"}},
+      {{"compare", "--test", "a.pfm", "b.pfm", "--", "c.pfm"}, {"found 2 and 1 images"}},
+      {{"compare", "--test", "a", "b", "--", "c", "d", "--max-mse", "1", "--tile", "0", "--alpha", "1"},
+       {"--max-mse: has no meaning together with --test", "--tile: found '0'", "--alpha: found '1'"}},
+      {{"compare", "--test", "a", "b", "--", "c", "d", "--tiel", "3"},
+       {"--tiel: unknown option", "'--tile'"}},
       {{"compare", "a.pfm", "b.pfm", "--max-relmse", "-1"}, {"--max-relmse: found '-1'"}},
   });
 }
@@ -111,7 +124,7 @@ TEST_CASE("missing, doubled and surplus words are refused") {
   check_refused({
       {{"render"}, {"mlt render: SCENE is missing; expected mlt render SCENE"}},
       {{"info"}, {"mlt info: SCENE is missing"}},
-      {{"compare", "a.pfm"}, {"mlt compare: B.pfm is missing"}},
+      {{"compare", "a.pfm"}, {"mlt compare: B is missing; expected mlt compare A B"}},
       {{"compare", "a", "b", "c"}, {"one word too many, 'c'"}},
       {render({"other.txt"}), {"one word too many, 'other.txt'"}},
       {render({"--spp"}), {"--spp: found no value; expected --spp N"}},

@@ -77,8 +77,11 @@ TEST_CASE("converge measures against a reference and report makes a page of it")
                   "--chains", "2", "--bootstrap", "64", "-o", "again.pfm", "--stats", "again.json"});
   REQUIRE(again.code == 0);
   CHECK_THAT(read_text(folder / "again.json"), Catch::Contains(last[13]));
+  // `compare` adds the same numbers in another order; its nine digits are more than the sum's rounding.
   const std::string compared = folder.run({"compare", "again.pfm", "ref.pfm"}).out;
-  CHECK_THAT(compared, Catch::Contains(fmt::format("relMSE     {:.9g}\n", std::stod(last[10]))));
+  const std::size_t at = compared.find("relMSE");
+  REQUIRE(at != std::string::npos);
+  CHECK(std::stod(compared.substr(at + 6)) == Approx(std::stod(last[10])).epsilon(1e-6));
 
   const std::string json = (results / "summary.json").string();
   const ConvergeSummary summary = summary_from_json(read_text(json), json);

@@ -3,6 +3,7 @@
 
 #include "app/command_line.hpp"
 #include "app/console.hpp"
+#include "app/json.hpp"
 #include "app/number.hpp"
 #include "app/options.hpp"
 #include "app/record.hpp"
@@ -70,6 +71,25 @@ TEST_CASE("JSON strings escape what JSON does not allow and repair what is not U
   CHECK(json_string("\xED\xA0\x80") == "\"" + replaced + replaced + replaced + "\"");
   CHECK(json_string("\xF4\x90\x80\x80") == "\"" + replaced + replaced + replaced + replaced + "\"");
   CHECK(json_string("x\xFFy") == "\"x" + replaced + "y\"");
+}
+
+TEST_CASE("JSON objects and arrays nest, in the order of the calls") {
+  JsonWriter json;
+  json.add("text", "a\"b");
+  json.begin_array("list");
+  json.add(nullptr, 0.1);
+  json.add(nullptr, std::numeric_limits<double>::infinity());
+  json.begin_object();
+  json.add("flag", true);
+  json.add("count", std::numeric_limits<std::uint64_t>::max());
+  json.end_object();
+  json.end_array();
+  json.begin_array("empty");
+  json.end_array();
+  CHECK(json.finish() ==
+        "{\n  \"text\": \"a\\\"b\",\n  \"list\": [\n    0.1,\n    null,\n    {\n      \"flag\": true,\n"
+        "      \"count\": 18446744073709551615\n    }\n  ],\n  \"empty\": []\n}\n");
+  CHECK(JsonWriter().finish() == "{}\n");
 }
 
 TEST_CASE("statistics that are not finite become null") {
@@ -158,16 +178,22 @@ TEST_CASE("the canonical command parses back to the job it was made from") {
   job.start = StartKind::first_hit;
   job.mutation = MutationKind::gaussian;
   job.roulette = 0;
-  const std::string command = canonical_command("-a'b.txt", job, 0);
+  const std::string command = canonical_command("-a'b.txt", job, 0, 1);
   CHECK(
       command ==
       "mlt render './-a'\\''b.txt' --integrator pssmlt --mutations 5 --width 3 --height 4 --depth 6 --seed 8 "
       "--chains 9 --bootstrap 10 --large-step 0.1 --start first-hit --mutation gaussian --roulette off");
   job.integrator = IntegratorKind::path;
   job.roulette = 5;
-  CHECK(canonical_command("s", job, 0.5f) ==
+  CHECK(canonical_command("s", job, 0.5f, 1) ==
         "mlt render s --integrator path --spp 5 --width 3 --height 4 --depth 6 --seed 8 --roulette 5 "
         "--exposure 0.5");
+  // Rounds that ended by error or time are counted.
+  job.in_rounds = true;
+  job.max_rounds = 100;
+  CHECK(canonical_command("s", job, 0, 3) ==
+        "mlt render s --integrator path --spp 5 --width 3 --height 4 --depth 6 --seed 8 --rounds 3 "
+        "--roulette 5");
 }
 
 TEST_CASE("the peak of memory is that of this process") {

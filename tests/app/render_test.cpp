@@ -130,7 +130,7 @@ TEST_CASE("an image of one pixel, and one of one row, are rendered") {
                     "--spp", "16", "-q", "-o", "one.pfm"});
     CHECK(result.error == "");
     CHECK(result.code == code_of(ExitCode::kOk));
-    const PfmImage image = read_pfm(folder / "one.pfm");
+    const LoadedImage image = read_pfm(folder / "one.pfm");
     CHECK(image.image.width == 1);
     CHECK(image.image.pixels[0].x > 0);
   }
@@ -145,7 +145,7 @@ TEST_CASE("pitfall 6: a scene without light renders black with a warning and exi
         {"render", "dark.txt", "--integrator", integrator, "--spp", "2", "-o", "d.pfm", "--stats", "d.json"});
     CHECK(result.code == code_of(ExitCode::kOk));
     CHECK_THAT(result.error, Catch::Contains("warning") && Catch::Contains("black"));
-    const PfmImage image = read_pfm(folder / "d.pfm");
+    const LoadedImage image = read_pfm(folder / "d.pfm");
     CHECK(image.non_finite == 0);
     for (const Vec3& pixel : image.image.pixels) CHECK(is_zero(pixel));
     const auto statistics = read_statistics(folder / "d.json");
@@ -195,35 +195,6 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
     CHECK(read_pfm(folder / "p.pfm").non_finite == 0);
     CHECK_THAT(read_text(folder / "error"), Catch::Contains("partial"));
   }
-}
-
-TEST_CASE("compare prints the metrics and exits with 1 above the limit and 2 for what cannot be compared") {
-  const SceneFolder folder;
-  const ImageBuffer a{1, 1, {Vec3{2, 2, 2}}};
-  const ImageBuffer b{1, 1, {Vec3{1, 1, 1}}};
-  const ImageBuffer wide{2, 1, {Vec3{1, 1, 1}, Vec3{1, 1, 1}}};
-  const ImageBuffer bad{1, 1, {Vec3{1, NAN, 1}}};
-  write_pfm(folder / "a.pfm", a.view());
-  write_pfm(folder / "b.pfm", b.view());
-  write_pfm(folder / "wide.pfm", wide.view());
-  write_pfm(folder / "bad.pfm", bad.view());
-  const ProgramResult plain = folder.run({"compare", "a.pfm", "b.pfm"});
-  CHECK(plain.code == code_of(ExitCode::kOk));
-  // 1 / (1 + 0.01)
-  CHECK(plain.out == "MSE        1\nrelMSE     0.99009901\nmean ratio 2\n");
-  CHECK(folder.run({"compare", "a.pfm", "b.pfm", "--max-relmse", "1"}).code == code_of(ExitCode::kOk));
-  const ProgramResult above = folder.run({"compare", "--max-relmse", "0.99", "a.pfm", "b.pfm"});
-  CHECK(above.code == code_of(ExitCode::kCompareFailed));
-  CHECK_THAT(above.out, Catch::Contains("relMSE     0.99009901"));
-  CHECK_THAT(above.error, Catch::Contains("exceeds --max-relmse 0.99"));
-  CHECK(folder.run({"compare", "b.pfm", "b.pfm", "--max-relmse", "0"}).code == code_of(ExitCode::kOk));
-  const ProgramResult sizes = folder.run({"compare", "wide.pfm", "b.pfm"});
-  CHECK(sizes.code == code_of(ExitCode::kBadInput));
-  CHECK_THAT(sizes.error, Catch::Contains("wide.pfm: has 2 x 1 pixels; expected 1 x 1 as in b.pfm"));
-  const ProgramResult nan = folder.run({"compare", "bad.pfm", "b.pfm"});
-  CHECK(nan.code == code_of(ExitCode::kBadInput));
-  CHECK_THAT(nan.error, Catch::Contains("bad.pfm: 1 of 1 pixels are NaN or infinite"));
-  CHECK(folder.run({"compare", "scene.txt", "b.pfm"}).code == code_of(ExitCode::kBadInput));
 }
 
 TEST_CASE("info prints what was read, features, and the plan with its total") {

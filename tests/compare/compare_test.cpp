@@ -13,42 +13,57 @@ ImageBuffer uniform(std::uint32_t width, std::uint32_t height, float value) {
   return {width, height, std::vector<Vec3>(std::size_t{width} * height, Vec3{value, value, value})};
 }
 
+/// Without FLIP, which has tests of its own.
+ImageComparison figures(const ImageBuffer& image, const ImageBuffer& reference) {
+  CompareOptions options;
+  options.with_flip = false;
+  return compare_images(image.view(), reference.view(), options);
+}
+
 TEST_CASE("an image equals itself") {
   const ImageBuffer image{2, 1, {Vec3{1, 2, 3}, Vec3{0, 1e-20f, 1e20f}}};
-  const ImageComparison result = compare_images(image.view(), image.view());
-  CHECK(result.mse == 0);
-  CHECK(result.rel_mse == 0);
-  CHECK(result.mean_ratio == 1);
+  const ImageComparison result = figures(image, image);
+  CHECK(result.metrics[MetricKind::mse] == 0);
+  CHECK(result.metrics[MetricKind::relmse] == 0);
+  CHECK(result.mean_ratio_all == 1);
 }
 
 TEST_CASE("the metrics of a small pair of images are those computed by hand") {
   // Differences 1, 0, -2, 0, 0, 3; reference 1, 2, 3, 0, 0, 0.
   const ImageBuffer image{1, 2, {Vec3{2, 2, 1}, Vec3{0, 0, 3}}};
   const ImageBuffer reference{1, 2, {Vec3{1, 2, 3}, Vec3{0, 0, 0}}};
-  const ImageComparison result = compare_images(image.view(), reference.view());
+  const ImageComparison result = figures(image, reference);
   // Six terms of exactly representable values; the tolerance is that of a few roundings in double.
-  CHECK(result.mse == Approx((1.0 + 4.0 + 9.0) / 6.0).epsilon(1e-15));
-  CHECK(result.rel_mse == Approx((1.0 / 1.01 + 4.0 / 9.01 + 9.0 / 0.01) / 6.0).epsilon(1e-14));
-  CHECK(result.mean_image == Approx(8.0 / 6.0).epsilon(1e-15));
-  CHECK(result.mean_reference == Approx(1.0).epsilon(1e-15));
-  CHECK(result.mean_ratio == Approx(8.0 / 6.0).epsilon(1e-15));
+  CHECK(result.metrics[MetricKind::mse] == Approx((1.0 + 4.0 + 9.0) / 6.0).epsilon(1e-15));
+  CHECK(result.metrics[MetricKind::relmse] ==
+        Approx((1.0 / 1.01 + 4.0 / 9.01 + 9.0 / 0.01) / 6.0).epsilon(1e-14));
+  CHECK(result.metrics[MetricKind::rmse] == Approx(std::sqrt(14.0 / 6.0)).epsilon(1e-15));
+  CHECK(result.metrics[MetricKind::mae] == Approx(6.0 / 6.0).epsilon(1e-15));
+  CHECK(result.metrics[MetricKind::smape] ==
+        Approx((1.0 / 3.01 + 2.0 / 4.01 + 3.0 / 3.01) / 6.0).epsilon(1e-14));
+  // Channel means 1, 1, 2 against 0.5, 1, 1.5.
+  CHECK(result.mean_image == std::array<double, 3>{1, 1, 2});
+  CHECK(result.mean_reference == std::array<double, 3>{0.5, 1, 1.5});
+  CHECK(result.mean_ratio == std::array<double, 3>{2, 1, 2 / 1.5});
+  CHECK(result.metrics[MetricKind::mean_error] == 1);
+  CHECK(result.mean_ratio_all == Approx(8.0 / 6.0).epsilon(1e-15));
 }
 
 TEST_CASE("relMSE and the ratio tell which of the two images is the reference") {
-  const ImageComparison forward = compare_images(uniform(4, 4, 2).view(), uniform(4, 4, 1).view());
-  const ImageComparison backward = compare_images(uniform(4, 4, 1).view(), uniform(4, 4, 2).view());
-  CHECK(forward.mean_ratio == 2);
-  CHECK(backward.mean_ratio == 0.5);
-  CHECK(forward.rel_mse == Approx(1 / 1.01).epsilon(1e-14));
-  CHECK(backward.rel_mse == Approx(1 / 4.01).epsilon(1e-14));
-  CHECK(forward.mse == backward.mse);
+  const ImageComparison forward = figures(uniform(4, 4, 2), uniform(4, 4, 1));
+  const ImageComparison backward = figures(uniform(4, 4, 1), uniform(4, 4, 2));
+  CHECK(forward.mean_ratio_all == 2);
+  CHECK(backward.mean_ratio_all == 0.5);
+  CHECK(forward.metrics[MetricKind::relmse] == Approx(1 / 1.01).epsilon(1e-14));
+  CHECK(backward.metrics[MetricKind::relmse] == Approx(1 / 4.01).epsilon(1e-14));
+  CHECK(forward.metrics[MetricKind::mse] == backward.metrics[MetricKind::mse]);
 }
 
 TEST_CASE("black references divide by nothing") {
-  CHECK(compare_images(uniform(2, 2, 0).view(), uniform(2, 2, 0).view()).mean_ratio == 1);
-  const ImageComparison result = compare_images(uniform(2, 2, 1).view(), uniform(2, 2, 0).view());
-  CHECK(std::isinf(result.mean_ratio));
-  CHECK(result.rel_mse == Approx(100).epsilon(1e-14));
+  CHECK(figures(uniform(2, 2, 0), uniform(2, 2, 0)).mean_ratio_all == 1);
+  const ImageComparison result = figures(uniform(2, 2, 1), uniform(2, 2, 0));
+  CHECK(std::isinf(result.mean_ratio_all));
+  CHECK(result.metrics[MetricKind::relmse] == Approx(100).epsilon(1e-14));
 }
 
 TEST_CASE("sums do not lose small differences in large images") {
@@ -56,7 +71,7 @@ TEST_CASE("sums do not lose small differences in large images") {
   const ImageBuffer image = uniform(2048, 2048, 0.5f);
   const ImageBuffer reference = uniform(2048, 2048, 0.4f);
   const double difference = double{0.5f} - double{0.4f};
-  CHECK(compare_images(image.view(), reference.view()).mse == Approx(difference * difference).epsilon(1e-10));
+  CHECK(figures(image, reference).metrics[MetricKind::mse] == Approx(difference * difference).epsilon(1e-10));
 }
 
 TEST_CASE("images that cannot be compared are refused with counts, places and sizes") {

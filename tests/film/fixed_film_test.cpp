@@ -23,7 +23,8 @@ namespace mlt {
 // Bit equality, for films.
 bool operator==(const FilmPixel& a, const FilmPixel& b) {
   return std::equal(a.metropolis, a.metropolis + 3, b.metropolis) &&
-         std::equal(a.uniform, a.uniform + 3, b.uniform);
+         std::equal(a.uniform, a.uniform + 3, b.uniform) &&
+         std::equal(a.difference, a.difference + 3, b.difference);
 }
 
 namespace test {
@@ -165,11 +166,11 @@ TEST_CASE("pitfall 9: the same film for 1 to 64 threads and for shuffled chains"
 }
 
 TEST_CASE("adding films changes only the range asked for") {
-  Pixels sum(4, FilmPixel{{1, 2, 3}, {4, 5, 6}});
-  const Pixels source(4, FilmPixel{{10, 20, 30}, {40, 50, 60}});
+  Pixels sum(4, FilmPixel{{1, 2, 3}, {4, 5, 6}, {7, -8, 9}});
+  const Pixels source(4, FilmPixel{{10, 20, 30}, {40, 50, 60}, {-70, 80, 90}});
   add_films(sum, source, 1, 3);
-  const FilmPixel untouched{{1, 2, 3}, {4, 5, 6}};
-  const FilmPixel added{{11, 22, 33}, {44, 55, 66}};
+  const FilmPixel untouched{{1, 2, 3}, {4, 5, 6}, {7, -8, 9}};
+  const FilmPixel added{{11, 22, 33}, {44, 55, 66}, {-63, 72, 99}};
   CHECK(sum == Pixels{untouched, added, added, untouched});
 }
 
@@ -194,7 +195,7 @@ TEST_CASE("developing multiplies the Metropolis sums by b, the uniform sums by t
 
 TEST_CASE("a pixel's samples are summed in double and averaged") {
   PixelSum sum;
-  for (int i = 0; i < 1000000; ++i) sum.add(Vec3{0.1f, 1e-3f, 4});
+  for (int i = 0; i < 1000000; ++i) sum.add(Vec3{0.1f, 1e-3f, 4}, 4);
   const Vec3 mean = develop_pixel(sum, 1000000);
   // A float sum would be off by percents; double by less than half a unit of a float's last place.
   CHECK(mean == Vec3{0.1f, 1e-3f, 4});

@@ -53,7 +53,7 @@ TEST_CASE("a PFM keeps every bit, for sizes from one pixel on") {
     image.pixels[0] =
         Vec3{std::numeric_limits<float>::denorm_min(), -0.0f, std::numeric_limits<float>::max()};
     write_pfm(folder / "x.pfm", image.view());
-    const PfmImage read = read_pfm(folder / "x.pfm");
+    const LoadedImage read = read_pfm(folder / "x.pfm");
     REQUIRE(read.image.width == size.width);
     REQUIRE(read.image.height == size.height);
     REQUIRE(read.non_finite == 0);
@@ -69,7 +69,7 @@ TEST_CASE("values that are not finite pass through a PFM and their pixels are co
   const ImageBuffer image{
       2, 2, {Vec3{nan, nan, 0}, Vec3{0, 0, -infinity}, Vec3{1, 1, 1}, Vec3{0, infinity, 0}}};
   write_pfm(folder / "x.pfm", image.view());
-  const PfmImage read = read_pfm(folder / "x.pfm");
+  const LoadedImage read = read_pfm(folder / "x.pfm");
   CHECK(read.non_finite == 3);
   CHECK(std::isnan(read.image.pixels[0].x));
   CHECK(read.image.pixels[1].z == -infinity);
@@ -80,7 +80,7 @@ TEST_CASE("big-endian, grey and scaled PFMs are read") {
   write_text(folder / "big.pfm", "PF 1 1 1\n" + big_endian(1.5f) + big_endian(-2) + big_endian(3));
   CHECK(read_pfm(folder / "big.pfm").image.pixels[0] == Vec3{1.5f, -2, 3});
   write_text(folder / "grey.pfm", "Pf\n1 2\n-1\n" + little_endian(1) + little_endian(2));
-  const PfmImage grey = read_pfm(folder / "grey.pfm");
+  const LoadedImage grey = read_pfm(folder / "grey.pfm");
   CHECK(grey.image.pixels[0] == Vec3{2, 2, 2});
   CHECK(grey.image.pixels[1] == Vec3{1, 1, 1});
   write_text(folder / "scaled.pfm", "Pf\n1 1\n-2.5e0\n" + little_endian(4));

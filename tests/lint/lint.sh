@@ -8,10 +8,9 @@ top=$(cd "$(dirname "$0")/../.." && pwd)
 . "$top/tools/report.sh"
 cd "${LINT_ROOT:-$top}" || exit 1
 
-# Numerical pitfalls of primary-sample Metropolis renderers that the project's code can have; each has a
-# test with "pitfall N" in its name. Number 7, lengths of multiplexed chains, waits for an integrator that
-# has them.
-pitfalls=(1 2 3 4 5 6 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22)
+# Numerical pitfalls of primary-sample Metropolis renderers that the project's code can have. Each has tests
+# with "pitfall N" in their names, and a row in docs/STABILITY.md that lists exactly the files these stand in.
+pitfalls=({1..22})
 
 # As in the Makefile, which states the order once.
 read -ra stages < <(sed -n 's/^STAGES *:= *//p' Makefile)
@@ -109,15 +108,29 @@ expect_empty "no path of the machine it was written on" "$(grep -nE "$machine" "
 
 # ---- what other documents promise ----
 
-missing_pitfalls() {
+# "N file" for each number in the names of the tests of a file, "pitfalls 3 and 14" counting for both. A name
+# may be wrapped over two lines.
+tested_pitfalls() {
+  awk '/TEST_CASE\(/ { on = 2 } on-- > 0 { print FILENAME " " $0 }' "${tests[@]}" |
+    sed -nE 's/^tests\/([^ ]*)\.cpp .*pitfalls? ([0-9]+((,| and) *[0-9]+)*).*/\1 \2/p' |
+    awk '{ for (i = 2; i <= NF; ++i) if ($i + 0) print $i + 0, $1 }' | sort -u
+}
+# "N file" for each row `| N | what | file, file |` of the table.
+listed_pitfalls() {
+  awk -F' *[|] *' '$2 ~ /^[0-9]+$/ {
+      n = split($4, file, ", *")
+      for (i = 1; i <= n; ++i) print $2, file[i]
+    }' docs/STABILITY.md 2>/dev/null | sort -u
+}
+pitfall_breaches() {
   local number
   for number in "${pitfalls[@]}"; do
-    grep -qE "pitfall $number([^0-9]|\$)" <<<"$test_names" || echo "no test is named \"pitfall $number\""
+    grep -q "^$number " <<<"$(tested_pitfalls)" || echo "no test is named \"pitfall $number\""
   done
+  comm -23 <(tested_pitfalls) <(listed_pitfalls) | sed 's/^/docs\/STABILITY.md does not list for pitfall /'
+  comm -13 <(tested_pitfalls) <(listed_pitfalls) | sed 's/^/docs\/STABILITY.md has, but no test, pitfall /'
 }
-# A name may be wrapped over two lines.
-test_names=$(awk '/TEST_CASE\(/ { on = 2 } on-- > 0' "${tests[@]}")
-expect_empty "every pitfall that applies has a test of its name" "$(missing_pitfalls)"
+expect_empty "every pitfall has tests of its name, which docs/STABILITY.md lists" "$(pitfall_breaches)"
 
 cited=$(grep -ohE '\[[A-Z][A-Za-z]+[0-9]{2}[a-z]?[] ,;]' "${core[@]}" | tr -d '[] ,;' | sort -u)
 expect_empty "every cited work is in docs/REFERENCES.md" "$(

@@ -162,7 +162,7 @@ TEST_CASE("systematic starts take each path as often as its luminance demands, w
     const std::vector<double> targets = all_targets(11, kPaths);
     std::vector<double> counts(kPaths);
     for (std::uint64_t chain = 0; chain < chains; ++chain) {
-      const double position = seed_position(11, chain, chains, bootstrap.moments.sum);
+      const double position = seed_position(11, 0, chain, chains, bootstrap.moments.sum);
       REQUIRE(position >= 0);
       REQUIRE(position < bootstrap.moments.sum);
       const SeedPath path = seed_path_at(bootstrap, 11, kPaths, position);
@@ -180,10 +180,10 @@ TEST_CASE("systematic starts take each path as often as its luminance demands, w
 TEST_CASE("the offset of all starts differs between seeds and is uniform in its stratum") {
   double sum = 0;
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-    const double position = seed_position(seed, 3, 8, 16);
+    const double position = seed_position(seed, 0, 3, 8, 16);
     REQUIRE(position >= 6);
     REQUIRE(position < 8);
-    REQUIRE(seed_position(seed, 4, 8, 16) == Approx(position + 2).epsilon(1e-15));
+    REQUIRE(seed_position(seed, 0, 4, 8, 16) == Approx(position + 2).epsilon(1e-15));
     sum += position;
   }
   // Mean 7, standard error 2 / sqrt(12 * 1000), at 4 of which p is 6e-5.

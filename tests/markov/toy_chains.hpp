@@ -46,7 +46,7 @@ SeedPath seed_path_of_chain(const Integrator& integrator, const ToyJob& job, con
                             std::uint64_t chain) {
   std::array<Splat, Integrator::kMaxSplats> splats;
   Contribution contribution(splats);
-  const double position = seed_position(job.seed, chain, job.chains, bootstrap.moments.sum);
+  const double position = seed_position(job.seed, 0, chain, job.chains, bootstrap.moments.sum);
   return find_seed_path(integrator, job.seed, job.bootstrap, bootstrap.chunks, position, contribution);
 }
 
