@@ -170,7 +170,10 @@ void add_converge_options(std::vector<OptionSpec>& table) {
                                         "--start", "--mutation", "--roulette",  "--threads",
                                         "--isa",   "--memory",   "--exposure",  "--quiet"};
   for (OptionSpec& option : table) {
-    if (std::find(shared.begin(), shared.end(), option.name) != shared.end()) {
+    // Another command may have an option of the same name that means something else.
+    const bool of_render = std::find(option.commands.begin(), option.commands.end(), CommandKind::render) !=
+                           option.commands.end();
+    if (of_render && std::find(shared.begin(), shared.end(), option.name) != shared.end()) {
       option.commands.push_back(CommandKind::converge);
     }
     if (option.name == "--help") {
