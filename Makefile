@@ -34,7 +34,7 @@ LINK     ?=
 OUT      := build/$(VARIANT)
 
 # The stages of the data flow; each may include only itself and earlier ones.
-STAGES   := base math scene geometry material light world integrator markov film render image compare app
+STAGES   := base math scene geometry material light world integrator markov film render image compare converge app
 
 CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
@@ -277,7 +277,8 @@ calibration: build/mlt scenes
 # The harnesses see the readers of input files alone.
 FUZZERS := $(patsubst tests/fuzz/%_fuzz.cpp,$(OUT)/fuzz_%,$(wildcard tests/fuzz/*_fuzz.cpp))
 READERS := $(call stage_objects,scene) \
-           $(call objects,$(filter %/pfm_reader.cpp %/png_reader.cpp %/format.cpp,$(call sources,image)))
+           $(call objects,$(filter %/pfm_reader.cpp %/png_reader.cpp %/format.cpp,$(call sources,image)) \
+             $(filter-out %/measure.cpp %/picture.cpp %/reference.cpp %/summary.cpp,$(call sources,converge)))
 $(OUT)/fuzz_%: $(OUT)/tests/fuzz/%_fuzz.o $(READERS)
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) -fsanitize=fuzzer $^ $(LIBS) -o $@

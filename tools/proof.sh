@@ -38,7 +38,7 @@ link_core() {
   for root in "${roots[@]}"; do undefined+=(-u "$root"); done
   for object in "$out"/src/*/*.o; do
     case $object in
-      */src/image/* | */src/compare/* | */src/app/*) ;;
+      */src/image/* | */src/compare/* | */src/converge/* | */src/app/*) ;;
       */base/assert.o | *\**) ;;
       "$pool") objects+=("$([ "$1" -eq 0 ] && echo "$pool" || echo "$out/fault$1/worker_pool.o")") ;;
       *)

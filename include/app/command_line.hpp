@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/compare_command.hpp"
+#include "app/converge_options.hpp"
 #include "render/job.hpp"
 
 namespace mlt {
@@ -33,7 +34,8 @@ struct TextCommand {
   std::string text;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, CompareCommand, TextCommand>;
+using Command =
+    std::variant<RenderCommand, InfoCommand, CompareCommand, ConvergeCommand, ReportCommand, TextCommand>;
 
 /// `words` without the program's name. Throws InputError with every fault found; the place is the option's
 /// name, or "mlt" with the command for the line as a whole.

@@ -20,6 +20,12 @@ ExitCode run_compare(const CompareCommand& command);
 /// The part of run_compare behind --test.
 ExitCode run_replicate_test(const CompareCommand& command);
 
+/// Renders the plan of `command` and writes its results into the folder, the summary last.
+ExitCode run_converge(const ConvergeCommand& command);
+
+/// Writes one page with every result of run_converge in the folder and its subfolders.
+ExitCode run_report(const ReportCommand& command);
+
 /// Runs the whole program: parses `words` (without the program's name), runs the command, and turns every
 /// error into a message on standard error and an exit code.
 ExitCode run_program(const std::vector<std::string>& words);

@@ -13,6 +13,8 @@ namespace mlt {
   X(render, "render a scene to image files")                                           \
   X(info, "print what a scene contains, what was skipped for it, and the memory plan") \
   X(compare, "measure how far an image is from a reference")                           \
+  X(converge, "measure error against time and samples for several methods")            \
+  X(report, "make one page of all results of converge below a folder")                 \
   X(help, "explain a command")
 
 enum class CommandKind : std::uint8_t {
@@ -23,6 +25,8 @@ enum class CommandKind : std::uint8_t {
 
 /// "render", "info", ... in the order of MLT_COMMANDS.
 std::vector<std::string> command_names();
+
+inline constexpr float kMaxExposure = 64;  ///< EV; 2^64 brings the smallest radiance worth showing to 1
 
 struct OptionSpec {
   std::string name;        ///< e.g. "--width"

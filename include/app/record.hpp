@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_string.hpp"
 #include "image/image_io.hpp"
 #include "render/job.hpp"
 #include "render/renderer.hpp"
@@ -39,9 +40,5 @@ std::string to_json(const RenderRecord& record);
 
 /// The closing summary, several lines.
 std::string summary(const RenderRecord& record);
-
-/// `text` as a JSON string with its quotes: control characters, quotes and backslashes escaped; bytes that
-/// are not UTF-8 become U+FFFD.
-std::string json_string(const std::string& text);
 
 }  // namespace mlt

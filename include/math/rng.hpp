@@ -16,6 +16,7 @@ enum class StreamPurpose : std::uint32_t {
   kPixel = 4,
   kTest = 5,
   kSteps = 6,
+  kResampling = 7,
   kRelabelling = 16  ///< of replicates, in a permutation test
 };
 

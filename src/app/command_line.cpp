@@ -18,7 +18,6 @@ namespace mlt {
 namespace {
 
 constexpr double kMaxLimit = 1e30;
-constexpr float kMaxExposure = 64;  // 2^64 brings the smallest radiance worth showing to 1
 
 /// Parses the values of the options that make a RenderRequest.
 class RequestReader {
@@ -232,6 +231,13 @@ Command parse_command_line(const std::vector<std::string>& words) {
       return parse_render(split);
     case CommandKind::info:
       return parse_info(split);
+    case CommandKind::converge: {
+      Diagnostics diagnostics;
+      const RenderRequest request = RequestReader(split, diagnostics).read();
+      return make_converge_command(split.options, split.positional, request, diagnostics);
+    }
+    case CommandKind::report:
+      return make_report_command(split.options, split.positional);
     case CommandKind::compare:
     case CommandKind::help:
       break;

@@ -3,13 +3,13 @@
 #include <algorithm>
 
 #include "app/compare_command.hpp"
+#include "app/options.hpp"
 #include "app/words.hpp"
 
 namespace mlt {
 namespace {
 
 constexpr double kMaxLimit = 1e30;
-constexpr float kMaxExposure = 64;
 constexpr char kPlace[] = "mlt compare";
 
 /// Words of the command, and for --test how many of the positional ones stand before the mark.

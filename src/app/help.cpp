@@ -40,9 +40,11 @@ std::string entry(const std::string& label, const std::string& text) {
   return result + '\n';
 }
 
-std::string option_entries(CommandKind command) {
+/// With `only_own`, without the options that another command has too.
+std::string option_entries(CommandKind command, bool only_own = false) {
   std::string text;
   for (const OptionSpec& option : options_of(command)) {
+    if (only_own && option.commands.size() > 1) continue;
     std::string label = option.short_name.empty() ? option.name : option.short_name + ", " + option.name;
     if (!option.value.empty()) label += " " + option.value;
     text += entry(label, option.help);
@@ -80,6 +82,7 @@ std::string general_help() {
   text +=
       "  mlt render SCENE [OPTION]...\n  mlt info SCENE [OPTION]...\n  mlt compare A B [OPTION]...\n"
       "  mlt compare --test A1 A2 ... -- B1 B2 ... [OPTION]...\n";
+  text += "  mlt converge SCENE -o DIR [OPTION]...\n  mlt report DIR [OPTION]...\n";
   text += fmt::format("  {}\n  mlt help [COMMAND]\n  mlt --version\n\nCommands:\n", kClassicUsage);
 #define MLT_ITEM(name, help) text += entry(#name, help);
   MLT_COMMANDS(MLT_ITEM)
@@ -89,6 +92,8 @@ std::string general_help() {
                 "the numbers mean the same as --width, --height, --mutations, --threads and --depth below");
   text +=
       "\nOptions of render; info takes those that change the plan:\n" + option_entries(CommandKind::render);
+  text += "\nOptions of converge, besides most of render's:\n" + option_entries(CommandKind::converge, true);
+  text += "\nOptions of report:\n" + option_entries(CommandKind::report);
   text += "\nOptions of compare:\n" + option_entries(CommandKind::compare) + "\n" + exit_codes();
   return text;
 }
@@ -112,6 +117,15 @@ std::string command_help(CommandKind command) {
              "two\nfolders, how far each image of A is from that of the same name in B. With --test it asks "
              "whether\nrenders A1, A2, ... have the same mean as B1, B2, ..., which differ in their seed.\n\n"
              "Options:\n" +
+             option_entries(command) + "\n" + exit_codes();
+    case CommandKind::converge:
+      return "Usage: mlt converge SCENE -o DIR [OPTION]...\nRenders SCENE by several methods at several "
+             "budgets, interleaved, and writes error against time and\nsamples into DIR "
+             "(docs/CONVERGE.md).\n\nOptions:\n" +
+             option_entries(command) + "\n" + exit_codes();
+    case CommandKind::report:
+      return "Usage: mlt report DIR [OPTION]...\nWrites one self-contained page with the results of mlt "
+             "converge in DIR and its subfolders.\n\nOptions:\n" +
              option_entries(command) + "\n" + exit_codes();
     case CommandKind::help:
       return general_help();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/compare_command.hpp"
+#include "app/converge_options.hpp"
 #include "app/number.hpp"
 #include "image/format.hpp"
 #include "render/job.hpp"
@@ -126,6 +127,7 @@ std::vector<OptionSpec> make_table() {
                    false,
                    {CommandKind::render, CommandKind::info, CommandKind::compare, CommandKind::help},
                    "prints this text"});
+  add_converge_options(table);
   return table;
 }
 

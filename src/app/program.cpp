@@ -16,6 +16,10 @@ ExitCode run_command(const Command& command) {
           return run_info(chosen);
         } else if constexpr (std::is_same_v<Kind, CompareCommand>) {
           return run_compare(chosen);
+        } else if constexpr (std::is_same_v<Kind, ConvergeCommand>) {
+          return run_converge(chosen);
+        } else if constexpr (std::is_same_v<Kind, ReportCommand>) {
+          return run_report(chosen);
         } else {
           print_output(chosen.text);
           return ExitCode::kOk;

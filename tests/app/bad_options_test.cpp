@@ -78,12 +78,13 @@ TEST_CASE("numbers out of range or not numbers are refused with option, found an
 
 TEST_CASE("words that are not known get the nearest valid ones") {
   check_refused({
-      {{"rendr", "scene.txt"}, {"unknown command 'rendr'", "did you mean 'render'", "info, compare, help"}},
-      {{"zzzzzzzz"}, {"unknown command 'zzzzzzzz'", "render, info, compare, help"}},
+      {{"rendr", "scene.txt"},
+       {"unknown command 'rendr'", "did you mean 'render'", "info, compare, converge, report, help"}},
+      {{"zzzzzzzz"}, {"unknown command 'zzzzzzzz'", "render, info, compare, converge, report, help"}},
       {{"--verson"}, {"unknown option '--verson'", "did you mean '--version'"}},
       {{"help", "rendr"}, {"did you mean 'render'"}},
       {{"help", "render", "info"}, {"one word too many, 'info'"}},
-      {{}, {"no command given", "render, info, compare, help"}},
+      {{}, {"no command given", "render, info, compare, converge, report, help"}},
       {{""}, {"unknown command ''"}},
       {{"scene.txt"}, {"expected 'mlt render scene.txt'"}},
       {render({"--sede", "1"}), {"--sede: unknown option", "did you mean '--seed'"}},

@@ -1,6 +1,7 @@
-#include <fmt/format.h>
+#include "base/json_string.hpp"
 
-#include "app/record.hpp"
+#include <cstdio>
+#include <string_view>
 
 namespace mlt {
 namespace {
@@ -32,22 +33,30 @@ std::size_t utf8_length(std::string_view text) {
 
 }  // namespace
 
-std::string json_string(const std::string& text) {
-  std::string result = "\"";
+std::string valid_utf8(const std::string& text) {
+  std::string result;
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t length = utf8_length(rest);
-    const char letter = rest.front();
-    if (length == 0) {
-      result += kReplacement;
-    } else if (letter == '"' || letter == '\\') {
+    result += length == 0 ? std::string_view(kReplacement) : rest.substr(0, length);
+    rest.remove_prefix(length == 0 ? 1 : length);
+  }
+  return result;
+}
+
+std::string json_string(const std::string& text) {
+  std::string result = "\"";
+  for (const char letter : valid_utf8(text)) {
+    if (letter == '"' || letter == '\\') {
       result += {'\\', letter};
     } else if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(letter)));
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x",
+                    static_cast<unsigned>(static_cast<unsigned char>(letter)));
+      result += escape;
     } else {
-      result += rest.substr(0, length);
+      result += letter;
     }
-    rest.remove_prefix(length == 0 ? 1 : length);
   }
   return result + "\"";
 }
