@@ -35,6 +35,15 @@ std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
   return fmt::format("; even a film of one pixel and one thread would need {} bytes", least);
 }
 
+/// Items that a worker's share takes of a block: its own, then so many that no two workers write to one pair
+/// of cache lines, which processors fetch together.
+template <class T>
+std::size_t own_stride(std::size_t items) {
+  constexpr std::size_t kUnit = 2 * kCacheLine / sizeof(T);
+  static_assert(kUnit * sizeof(T) == 2 * kCacheLine);
+  return (items + kUnit - 1) / kUnit * kUnit;
+}
+
 }  // namespace
 
 JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
@@ -59,14 +68,15 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
 }
 
 void JobPlan::plan_metropolis() {
-  const std::size_t samples = std::size_t{workers} * sample_capacity;
   slots.bootstrap =
       memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender, bootstrap_chunk_count(job.bootstrap));
   slots.chains = memory.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
-  slots.samples = memory.add<PrimarySample>("primary samples", Lifetime::kRender, samples);
-  slots.saved = memory.add<SavedSample>("saved primary samples", Lifetime::kRender, samples);
+  slots.samples = memory.add<PrimarySample>("primary samples", Lifetime::kRender,
+                                            workers * own_stride<PrimarySample>(sample_capacity));
+  slots.saved = memory.add<SavedSample>("saved primary samples", Lifetime::kRender,
+                                        workers * own_stride<SavedSample>(sample_capacity));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
-                                   std::size_t{workers} * 2 * kernel.max_splats);
+                                   workers * own_stride<Splat>(std::size_t{2} * kernel.max_splats));
   slots.films = memory.add<FilmPixel>("films, one a worker", Lifetime::kRender, workers * pixel_count());
 }
 
@@ -108,10 +118,11 @@ void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) cons
   const std::span<FilmPixel> films = arena.take(slots.films);
   for (std::size_t i = 0; i < workers; ++i) {
     WorkerStorage& own = storage.workers[i];
-    own.chain.samples = samples.subspan(i * sample_capacity, sample_capacity);
-    own.chain.saved = saved.subspan(i * sample_capacity, sample_capacity);
-    own.chain.current = splats.subspan(i * 2 * kernel.max_splats, kernel.max_splats);
-    own.chain.proposed = splats.subspan((i * 2 + 1) * kernel.max_splats, kernel.max_splats);
+    own.chain.samples = samples.subspan(i * own_stride<PrimarySample>(sample_capacity), sample_capacity);
+    own.chain.saved = saved.subspan(i * own_stride<SavedSample>(sample_capacity), sample_capacity);
+    const std::size_t first_splat = i * own_stride<Splat>(std::size_t{2} * kernel.max_splats);
+    own.chain.current = splats.subspan(first_splat, kernel.max_splats);
+    own.chain.proposed = splats.subspan(first_splat + kernel.max_splats, kernel.max_splats);
     own.film = films.subspan(i * pixel_count(), pixel_count());
   }
 }
