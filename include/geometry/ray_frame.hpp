@@ -49,11 +49,13 @@ MLT_INLINE RayShear::RayShear(const Ray& ray) {
   origin_x = origin[axis_x];
   origin_y = origin[axis_y];
   origin_z = origin[axis_z];
-  // A direction of 0 makes the shear NaN, which no test accepts.
-  const float z = direction[axis_z];
-  shear_x = direction[axis_x] / z;
-  shear_y = direction[axis_y] / z;
-  inverse_z = 1.0f / z;
+  // One division of lanes. A direction of 0 makes the shear NaN, which no test accepts; for scalars that
+  // division would be undefined behaviour.
+  const Float4 quotients =
+      Float4{direction[axis_x], direction[axis_y], 1.0f, 1.0f} / broadcast4(direction[axis_z]);
+  shear_x = quotients[0];
+  shear_y = quotients[1];
+  inverse_z = quotients[2];
 }
 
 /// All of a ray in lanes. Functions that take one are inlined, so that members without use cost nothing.
