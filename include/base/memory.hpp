@@ -15,7 +15,10 @@
 
 namespace mlt {
 
-inline constexpr std::size_t kCacheLine = 64;
+/// Blocks start on pages, the least that a thread's data must keep apart from another's: hardware prefetchers
+/// run many cache lines ahead of ascending accesses, but not across pages, and what they fetch is taken from
+/// the thread that writes it.
+inline constexpr std::size_t kPage = 4096;
 
 /// When a block is in use. kScratch blocks live only while the scene is compiled, kRender blocks only from
 /// render begin on, so the two may overlap; kScene blocks live through both.
@@ -32,7 +35,7 @@ struct PlanLine {
   Lifetime lifetime;
   std::size_t count;  ///< items
   std::size_t item_bytes;
-  std::size_t bytes;       ///< count * item_bytes, rounded up to a cache line
+  std::size_t bytes;       ///< count * item_bytes, rounded up to a page
   std::size_t offset = 0;  ///< from the start of the arena
 };
 
@@ -42,7 +45,7 @@ class MemoryPlan {
   template <class T>
   Slot<T> add(std::string name, Lifetime lifetime, std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>, "the arena runs no destructors");
-    static_assert(alignof(T) <= kCacheLine);
+    static_assert(alignof(T) <= kPage);
     return Slot<T>{add_bytes(std::move(name), lifetime, count, sizeof(T))};
   }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMaxBytes = std::size_t{1} << 47;  // beyond any address space in use
 
 std::size_t round_up(std::size_t bytes) {
-  return (bytes + kCacheLine - 1) / kCacheLine * kCacheLine;
+  return (bytes + kPage - 1) / kPage * kPage;
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ std::size_t MemoryPlan::total_bytes() const {
   return bytes(Lifetime::kScene) + std::max(bytes(Lifetime::kScratch), bytes(Lifetime::kRender));
 }
 
-Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan.total_bytes(), kCacheLine)) {
+Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan.total_bytes(), kPage)) {
   // MAP_POPULATE touches every page now, so that none faults between render begin and render end.
   void* mapping =
       ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);

@@ -35,12 +35,11 @@ std::string what_would_fit(const WorldCounts& counts, RenderJob job) {
   return fmt::format("; even a film of one pixel and one thread would need {} bytes", least);
 }
 
-/// Items that a worker's share takes of a block: its own, then so many that no two workers write to one pair
-/// of cache lines, which processors fetch together.
+/// Items that a worker's share takes of a block: its own, then so many that no two workers write to one page.
 template <class T>
 std::size_t own_stride(std::size_t items) {
-  constexpr std::size_t kUnit = 2 * kCacheLine / sizeof(T);
-  static_assert(kUnit * sizeof(T) == 2 * kCacheLine);
+  constexpr std::size_t kUnit = kPage / sizeof(T);
+  static_assert(kUnit * sizeof(T) == kPage);
   return (items + kUnit - 1) / kUnit * kUnit;
 }
 

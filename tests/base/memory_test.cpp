@@ -28,18 +28,18 @@ std::uintptr_t address(const void* pointer) {
 
 TEST_CASE("a memory plan is the sum of the scene and the larger of scratch and render") {
   MemoryPlan plan;
-  plan.add<std::uint64_t>("scene", Lifetime::kScene, 100);  // 800 bytes, 832 in cache lines
-  plan.add<char>("small scratch", Lifetime::kScratch, 1);   // 64
-  plan.add<char>("scratch", Lifetime::kScratch, 64);        // 64
-  const std::size_t with_scratch = 832 + 128;
+  plan.add<char>("scene", Lifetime::kScene, kPage + 1);    // two pages
+  plan.add<char>("small scratch", Lifetime::kScratch, 1);  // one page
+  plan.add<char>("scratch", Lifetime::kScratch, kPage);    // one page
+  const std::size_t with_scratch = 4 * kPage;
   CHECK(plan.total_bytes() == with_scratch);
-  plan.add<char>("render", Lifetime::kRender, 100);  // 128: overlaps the scratch exactly
+  plan.add<char>("render", Lifetime::kRender, kPage + 100);  // overlaps the scratch exactly
   CHECK(plan.total_bytes() == with_scratch);
-  plan.add<char>("more render", Lifetime::kRender, 1);  // 64
-  CHECK(plan.total_bytes() == with_scratch + 64);
-  CHECK(plan.bytes(Lifetime::kScene) == 832);
-  CHECK(plan.bytes(Lifetime::kScratch) == 128);
-  CHECK(plan.bytes(Lifetime::kRender) == 192);
+  plan.add<char>("more render", Lifetime::kRender, 1);
+  CHECK(plan.total_bytes() == with_scratch + kPage);
+  CHECK(plan.bytes(Lifetime::kScene) == 2 * kPage);
+  CHECK(plan.bytes(Lifetime::kScratch) == 2 * kPage);
+  CHECK(plan.bytes(Lifetime::kRender) == 3 * kPage);
 }
 
 TEST_CASE("a memory plan names its blocks with their sizes") {
@@ -51,7 +51,7 @@ TEST_CASE("a memory plan names its blocks with their sizes") {
   CHECK(line.lifetime == Lifetime::kRender);
   CHECK(line.count == 3);
   CHECK(line.item_bytes == sizeof(Item));
-  CHECK(line.bytes == 64);
+  CHECK(line.bytes == kPage);
 }
 
 TEST_CASE("a memory plan refuses sizes beyond any address space instead of wrapping") {
@@ -94,7 +94,7 @@ TEST_CASE("the arena hands out disjoint, aligned, initialised blocks") {
   for (const void* start :
        {static_cast<const void*>(byte_block.data()), static_cast<const void*>(line_block.data()),
         static_cast<const void*>(item_block.data()), static_cast<const void*>(word_block.data())}) {
-    CHECK(address(start) % kCacheLine == 0);
+    CHECK(address(start) % kPage == 0);
   }
 
   // Each block is filled with a value of its own; afterwards every one must still hold it.

@@ -139,7 +139,7 @@ TEST_CASE("memory of a mesh: at most 80 bytes a triangle, and 32 of scratch") {
   MemoryPlan plan;
   static_cast<void>(Geometry::plan(plan, GeometryCounts{0, count, 0}));
   CHECK(plan.bytes(Lifetime::kScene) <= std::size_t{80} * count);
-  CHECK(plan.bytes(Lifetime::kScratch) <= std::size_t{32} * count + kCacheLine);
+  CHECK(plan.bytes(Lifetime::kScratch) <= std::size_t{32} * count + kPage);
   CHECK(Geometry::is_general(GeometryCounts{0, 0, 1}));
   CHECK(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons, 1, 0}));
   CHECK_FALSE(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons - 1, 1, 0}));
