@@ -1,6 +1,6 @@
 #include "app/number.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <charconv>
 #include <cmath>

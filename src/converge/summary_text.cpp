@@ -1,5 +1,5 @@
 // A summary as JSON and back, as a table for the terminal, and the rows as CSV.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 #include <string_view>

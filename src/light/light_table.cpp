@@ -1,6 +1,6 @@
 #include "light/light_table.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

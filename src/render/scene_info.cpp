@@ -1,6 +1,6 @@
 #include "render/scene_info.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace mlt {
 namespace {

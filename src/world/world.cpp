@@ -5,6 +5,7 @@
 
 #include "base/assert.hpp"
 #include "math/degrees.hpp"
+#include "scene/bounds.hpp"
 
 namespace mlt {
 namespace {
@@ -29,30 +30,8 @@ struct Placement {
   Vec3 point(const DVec3& p) const { return Vec3{(p - centre) * scale}; }
 };
 
-struct Bounds {
-  DVec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
-  DVec3 high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-  void include(const DVec3& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
-    }
-  }
-};
-
 Placement place(const SceneDescription& scene) {
-  Bounds bounds;
-  for (const PolygonDescription& polygon : scene.polygons) {
-    for (std::uint32_t i = 0; i < polygon.corner_count; ++i) bounds.include(polygon.corners[i]);
-  }
-  for (const MeshDescription& mesh : scene.meshes) {
-    for (const std::uint32_t index : mesh.indices) bounds.include(mesh.vertices[index]);
-  }
-  for (const SphereDescription& sphere : scene.spheres) {
-    bounds.include(sphere.center - DVec3{sphere.radius, sphere.radius, sphere.radius});
-    bounds.include(sphere.center + DVec3{sphere.radius, sphere.radius, sphere.radius});
-  }
+  const Bounds bounds = bounds_of(scene);
   Placement placement;
   if (!(bounds.low.x <= bounds.high.x)) return placement;
   placement.centre = bounds.low + (bounds.high - bounds.low) * 0.5;

@@ -1,5 +1,5 @@
 // `mlt converge` and `mlt report` through the binary, on a room of 8 x 8 pixels.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <signal.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // What every metric of the list owes its users, by looping over the list.
 #include "compare/metrics.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Plots as well-formed XML with their labels, and maps of errors whose colours and scales are known.
 #include "converge/plot.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>

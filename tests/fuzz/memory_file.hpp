@@ -6,12 +6,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
-inline void require(bool condition) {
-  if (!condition) std::abort();
-}
+#include "fuzz/fuzz.hpp"
 
 class MemoryFile {
  public:

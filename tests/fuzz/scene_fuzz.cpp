@@ -3,18 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "base/error.hpp"
+#include "fuzz/fuzz.hpp"
 #include "scene/limits.hpp"
 #include "scene/parse.hpp"
 
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 bool valid(const mlt::DVec3& point) {
   return std::fabs(point.x) <= mlt::kMaxCoordinate && std::fabs(point.y) <= mlt::kMaxCoordinate &&

@@ -158,4 +158,16 @@ double largest_difference(const ImageView& a, const ImageView& b) {
   return largest > 0 ? difference / largest : difference;
 }
 
+double difference_share(const RenderResult& a, const RenderResult& b) {
+  double difference = 0, sum = 0;
+  for (std::size_t i = 0; i < a.image.pixels.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const double left = static_cast<double>(a.image.pixels[i][channel]);
+      difference += std::fabs(left - static_cast<double>(b.image.pixels[i][channel]));
+      sum += left;
+    }
+  }
+  return difference / sum;
+}
+
 }  // namespace mlt::test

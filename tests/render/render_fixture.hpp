@@ -53,6 +53,9 @@ double mean_luminance(const ImageView& image);
 double mean_luminance(const ImageView& image, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1,
                       std::uint32_t y1);
 
+/// Share of the image's energy that differs between two renders of the same primary samples.
+double difference_share(const RenderResult& a, const RenderResult& b);
+
 using Statistic = std::function<double(const ImageView&)>;
 
 /// `statistic` of each replicate.

@@ -5,40 +5,10 @@
 #include <string>
 
 #include "render_fixture.hpp"
+#include "support/moved_scene.hpp"
 
 namespace mlt::test {
 namespace {
-
-/// Every position p becomes scale * p + offset.
-SceneDescription moved(SceneDescription scene, double scale, const DVec3& offset) {
-  const auto move = [&](DVec3& p) { p = p * scale + offset; };
-  move(scene.camera.eye);
-  move(scene.camera.target);
-  for (PolygonDescription& polygon : scene.polygons) {
-    for (DVec3& corner : polygon.corners) move(corner);
-  }
-  for (MeshDescription& mesh : scene.meshes) {
-    for (DVec3& vertex : mesh.vertices) move(vertex);
-  }
-  for (SphereDescription& sphere : scene.spheres) {
-    move(sphere.center);
-    sphere.radius *= scale;
-  }
-  return scene;
-}
-
-/// Share of the film's energy that differs between two renders with the same primary samples.
-double difference_share(const RenderResult& a, const RenderResult& b) {
-  double difference = 0, sum = 0;
-  for (std::size_t i = 0; i < a.image.pixels.size(); ++i) {
-    for (int channel = 0; channel < 3; ++channel) {
-      const double left = static_cast<double>(a.image.pixels[i][channel]);
-      difference += std::fabs(left - static_cast<double>(b.image.pixels[i][channel]));
-      sum += left;
-    }
-  }
-  return difference / sum;
-}
 
 // Slivers, needles and touching shapes in a lit room; coordinates are multiples of 1/64.
 constexpr const char* kSlivers = R"(

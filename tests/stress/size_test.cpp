@@ -23,19 +23,6 @@ SceneDescription scene_at(const Place& place) {
   return parse_scene_text(room_at(place), "room");
 }
 
-/// Share of the film's energy that differs between two renders of the same primary samples.
-double difference_share(const RenderResult& a, const RenderResult& b) {
-  double difference = 0, sum = 0;
-  for (std::size_t i = 0; i < a.image.pixels.size(); ++i) {
-    for (int channel = 0; channel < 3; ++channel) {
-      const double left = static_cast<double>(a.image.pixels[i][channel]);
-      difference += std::fabs(left - static_cast<double>(b.image.pixels[i][channel]));
-      sum += left;
-    }
-  }
-  return difference / sum;
-}
-
 struct NamedPlace {
   std::string name;
   Place place;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/compiled_scene.hpp"
+#include "support/moved_scene.hpp"
 
 namespace mlt::test {
 namespace {
@@ -26,24 +27,6 @@ vertex 1.5 2.75 1
 face 0 1 2
 end
 )";
-
-/// Moves every position by `offset` after multiplying it by `scale`.
-SceneDescription moved(SceneDescription scene, double scale, const DVec3& offset) {
-  const auto move = [&](DVec3& p) { p = p * scale + offset; };
-  move(scene.camera.eye);
-  move(scene.camera.target);
-  for (PolygonDescription& polygon : scene.polygons) {
-    for (DVec3& corner : polygon.corners) move(corner);
-  }
-  for (MeshDescription& mesh : scene.meshes) {
-    for (DVec3& vertex : mesh.vertices) move(vertex);
-  }
-  for (SphereDescription& sphere : scene.spheres) {
-    move(sphere.center);
-    sphere.radius *= scale;
-  }
-  return scene;
-}
 
 constexpr std::uint32_t kSide = 32;
 
