@@ -51,11 +51,13 @@ struct JobPlan {
   Kernel kernel;
   std::uint32_t sample_capacity;  ///< primary samples of one path at most
   std::uint32_t workers;          ///< threads that can have work at all
+  std::uint32_t films = 1;        ///< pssmlt: 1 to workers; worker i splats to film i % films
   MemoryPlan memory;
   RenderSlots slots;
 
  private:
   void plan_metropolis();
+  std::uint32_t count_films() const;
   void plan_path();
   void take_metropolis_storage(Arena& arena, RenderStorage& storage) const;
 };

@@ -45,7 +45,7 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   const WorkerStorage& own = storage.workers[worker];
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
   const SeedPath start = find_start(integrator, storage, own, index);
-  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains));
+  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains), own.film_writers);
   ChainSettings settings;
   settings.seed = storage.job.seed;
   settings.chain_index = storage.round * storage.job.chains + index;
