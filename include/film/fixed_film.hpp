@@ -1,8 +1,8 @@
 // The Metropolis film: 64-bit fixed point, in one or several copies that are summed at the end. Integer
-// addition commutes, so the sum has the same bits for any schedule, any number of workers, and any division of
-// the workers over copies; workers that share a copy add atomically. Values are F / (I + p w) with weights in
-// [0,1] per mutation, so a channel of one splat is at most 1 / 0.0722 < 14, whatever the scene's brightness;
-// the fraction bits follow from the job's number of mutations so that no sum can overflow.
+// addition commutes, so the sum has the same bits for any schedule, any number of workers, and any division
+// of the workers over copies; workers that share a copy add atomically. Values are F / (I + p w) with weights
+// in [0,1] per mutation, so a channel of one splat is at most 1 / 0.0722 < 14, whatever the scene's
+// brightness; the fraction bits follow from the job's number of mutations so that no sum can overflow.
 #pragma once
 
 #include <atomic>

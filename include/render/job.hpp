@@ -42,7 +42,7 @@ inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< pat
 inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::size_t kDefaultFilmMemory = std::size_t{8} << 20;  ///< bytes
-inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;  ///< pixels
+inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;        ///< pixels
 inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 /// Samples or mutations a pixel of each round, where a job speaks of rounds.

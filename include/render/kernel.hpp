@@ -32,6 +32,7 @@ struct WorkerStorage {
   ChainWorkspace chain;
   std::span<FilmPixel> film;  ///< one of RenderStorage::films
   FilmWriters film_writers = FilmWriters::one;
+  DefectCounts bootstrap_defects;
 };
 
 /// All that kernels work on, in the arena.

@@ -76,17 +76,23 @@ void JobPlan::plan_metropolis() {
                                         workers * own_stride<SavedSample>(sample_capacity));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
                                    workers * own_stride<Splat>(std::size_t{2} * kernel.max_splats));
-  films = count_films();
+  const std::size_t fitting = std::min(job.film_memory, room_for_films()) / film_bytes();
+  films = static_cast<std::uint32_t>(std::clamp<std::size_t>(fitting, 1, workers));
   slots.films = memory.add<FilmPixel>("films", Lifetime::kRender, films * pixel_count());
 }
 
-/// As many as fit the films' own limit and what --memory leaves once all other blocks are planned, one for each
-/// worker at most; one in any case.
-std::uint32_t JobPlan::count_films() const {
+/// What --memory leaves to films, once all other blocks are planned.
+std::size_t JobPlan::room_for_films() const {
   const std::size_t taken = memory.bytes(Lifetime::kScene) + memory.bytes(Lifetime::kRender);
-  const std::size_t left = job.memory_limit < taken ? 0 : (job.memory_limit - taken) / kPage * kPage;
-  const std::size_t fitting = std::min(job.film_memory, left) / (pixel_count() * sizeof(FilmPixel));
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(fitting, 1, workers));
+  return job.memory_limit < taken ? 0 : (job.memory_limit - taken) / kPage * kPage;
+}
+
+std::string JobPlan::describe_films() const {
+  if (films == workers) return fmt::format("{}, one for each worker", films);
+  const bool limited_by_memory = job.film_memory / film_bytes() > films;
+  return fmt::format("{}, shared by {} workers with atomic adds; {}", films, workers,
+                     limited_by_memory ? std::string("--memory leaves no room for more")
+                                       : fmt::format("more would exceed {} bytes of films", job.film_memory));
 }
 
 void JobPlan::plan_path() {

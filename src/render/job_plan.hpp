@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <cstdint>
+#include <string>
 
 #include "base/memory.hpp"
 #include "render/job.hpp"
@@ -42,6 +43,9 @@ struct JobPlan {
   /// Hands the arena's blocks to `storage`; the world's own blocks are taken by compile_world.
   void take_storage(Arena& arena, RenderStorage& storage) const;
 
+  /// How many films there are, who adds to them and why there are no more: a line of `mlt info`.
+  std::string describe_films() const;
+
   std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
   std::uint64_t pixel_units() const { return (pixel_count() + kPixelsPerUnit - 1) / kPixelsPerUnit; }
   bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
@@ -57,7 +61,8 @@ struct JobPlan {
 
  private:
   void plan_metropolis();
-  std::uint32_t count_films() const;
+  std::size_t film_bytes() const { return pixel_count() * sizeof(FilmPixel); }
+  std::size_t room_for_films() const;
   void plan_path();
   void take_metropolis_storage(Arena& arena, RenderStorage& storage) const;
 };

@@ -10,9 +10,10 @@ template <FeatureMask kFeatures>
 void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  Contribution contribution(storage.workers[worker].chain.proposed);
-  storage.bootstrap[chunk] =
-      evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution);
+  WorkerStorage& own = storage.workers[worker];
+  Contribution contribution(own.chain.proposed);
+  storage.bootstrap[chunk] = evaluate_bootstrap_chunk(
+      integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution, own.bootstrap_defects);
 }
 
 inline FillSteps fill_steps_of(MutationKind kind) {
