@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Renders the jobs of tests/repro/expected_hashes.txt by other thread counts, compilers, optimisations,
 # sanitizers and machines, and compares the hashes of the films: repro.sh quick|rest|full|accept
-#   quick   thread counts, g++ and clang++, three levels, ASan with UBSan, TSan, Valgrind
+#   quick   thread counts, shared films, g++ and clang++, three levels, ASan with UBSan, TSan, Valgrind
 #   rest    link-time optimisation, AVX2 with FMA, AVX-512, MSan, emulated processors and aarch64
 #   full    both
 #   accept  writes the hashes of build/release into the file (CHANGELOG.md must then say why)
@@ -84,6 +84,9 @@ if [ "$mode" != rest ]; then
   for threads in 1 2 3 7 16 64; do
     cell "threads $threads" "$all" build/release/film_hash "threads=$threads"
   done
+  # Jobs so small have a film for each thread unless told otherwise.
+  cell "threads 7, one film" " pssmlt " build/release/film_hash threads=7 film_memory=0
+  cell "threads 7, two or more films" " pssmlt " build/release/film_hash threads=7 film_memory=600000
   # The kernels of each instruction set that a release build holds; without AVX2 both are the base.
   sets=(base)
   grep -qw avx2 /proc/cpuinfo && sets+=(avx2)
@@ -91,6 +94,7 @@ if [ "$mode" != rest ]; then
     cell "kernels for $set" "$all" build/release/film_hash threads=3 "isa=$set"
   done
   for name in gcc-O0 gcc-O3 clang clang-O0 clang-O3 asan tsan; do variant "$name"; done
+  cell "tsan, one film" " pssmlt .*seed=0 " build/tsan/film_hash threads=3 film_memory=0
   cell "valgrind" "$small" valgrind --quiet --undef-value-errors=no build/release/film_hash threads=2
 fi
 

@@ -1,9 +1,11 @@
-// The Metropolis film: 64-bit fixed point, one per worker, summed at the end. Integer addition commutes, so
-// the sum has the same bits for any schedule and any number of workers. Values are F / (I + p w) with weights
+// The Metropolis film: 64-bit fixed point, in one or several copies that are summed at the end. Integer
+// addition commutes, so the sum has the same bits for any schedule, any number of workers, and any division
+// of the workers over copies; workers that share a copy add atomically. Values are F / (I + p w) with weights
 // in [0,1] per mutation, so a channel of one splat is at most 1 / 0.0722 < 14, whatever the scene's
 // brightness; the fraction bits follow from the job's number of mutations so that no sum can overflow.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -41,11 +43,18 @@ inline std::int64_t to_fixed(double scaled) {
   return static_cast<std::int64_t>(scaled + 0.5);
 }
 
+/// Who splats to the same pixels at the same time.
+enum class FilmWriters : std::uint8_t { one, several };
+
 class FixedFilm {
  public:
   /// `half` is 1 or -1 for the half that the splats belong to, 0 for neither.
-  FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits, int half = 0)
-      : pixels_(pixels), scale_(static_cast<double>(std::uint64_t{1} << fraction_bits)), half_(half) {}
+  FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits, int half = 0,
+            FilmWriters writers = FilmWriters::one)
+      : pixels_(pixels),
+        scale_(static_cast<double>(std::uint64_t{1} << fraction_bits)),
+        half_(half),
+        writers_(writers) {}
 
   void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight, double uniform_weight) {
     MLT_CHECK_OP(pixel, <, pixels_.size());
@@ -61,14 +70,24 @@ class FixedFilm {
     const double scaled = weight * scale_;
     for (int c = 0; c < 3; ++c) {
       const std::int64_t fixed = to_fixed(static_cast<double>(value[c]) * scaled);
-      sums[c] += fixed;
-      differences[c] += half_ * fixed;
+      increase(sums[c], fixed);
+      increase(differences[c], half_ * fixed);
+    }
+  }
+
+  /// The sums are read only after the threads have met, which orders all additions before the reading.
+  void increase(std::int64_t& sum, std::int64_t addend) {
+    if (writers_ == FilmWriters::one) [[likely]] {
+      sum += addend;
+    } else {
+      std::atomic_ref<std::int64_t>(sum).fetch_add(addend, std::memory_order_relaxed);
     }
   }
 
   std::span<FilmPixel> pixels_;
   double scale_;
   std::int64_t half_;
+  FilmWriters writers_;
 };
 
 /// Adds pixels [first, last) of `source` to `sum`.

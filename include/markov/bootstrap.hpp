@@ -19,7 +19,6 @@ struct BootstrapChunk {
   double sum = 0;  ///< of luminance, in index order
   double sum_squares = 0;
   double cumulative = 0;  ///< sum of all chunks before this one; filled by accumulate_bootstrap
-  DefectCounts defects;
 };
 
 /// Moments of the luminance of independent paths.
@@ -81,12 +80,14 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
   }
 }
 
+/// Adds the paths' defects to `defects`, of which each worker has one: there are too many chunks to keep
+/// theirs.
 template <class Integrator>
 BootstrapChunk evaluate_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed,
                                         std::uint64_t chunk_index, std::uint64_t paths,
-                                        Contribution& contribution) {
+                                        Contribution& contribution, DefectCounts& defects) {
   BootstrapChunk chunk;
-  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, chunk.defects,
+  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, defects,
                         [&chunk](std::uint64_t, float target) {
                           const double value = target;
                           chunk.sum += value;

@@ -41,7 +41,8 @@ inline constexpr std::uint32_t kMaxChains = 1U << 20;
 inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< paths
 inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
-inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;  ///< pixels
+inline constexpr std::size_t kDefaultFilmMemory = std::size_t{8} << 20;  ///< bytes
+inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;        ///< pixels
 inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 /// Samples or mutations a pixel of each round, where a job speaks of rounds.
@@ -65,6 +66,7 @@ struct RenderRequest {
   MutationKind mutation = MutationKind::kelemen;  ///< pssmlt: kind of small step
   std::optional<std::uint32_t> roulette;  ///< first path edge with Russian roulette; 0 switches it off
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes
+  std::size_t film_memory = kDefaultFilmMemory;     ///< pssmlt: bytes that more films than one may take
   std::optional<InstructionSet> instruction_set;    ///< default: the best that the processor has
 };
 
@@ -87,6 +89,7 @@ struct RenderJob {
   MutationKind mutation = MutationKind::kelemen;
   std::uint32_t roulette = 0;  ///< 0: off
   std::size_t memory_limit = 0;
+  std::size_t film_memory = 0;  ///< without influence on the image
 };
 
 /// Throws InputError (the option's name as file) when a value is out of range, ResourceError when the job

@@ -27,10 +27,12 @@ struct TileStatistics {
   DefectCounts defects;
 };
 
-/// Storage of one worker; never shared.
+/// Storage of one worker, its own but for the film.
 struct WorkerStorage {
   ChainWorkspace chain;
-  std::span<FilmPixel> film;
+  std::span<FilmPixel> film;  ///< one of RenderStorage::films
+  FilmWriters film_writers = FilmWriters::one;
+  DefectCounts bootstrap_defects;
 };
 
 /// All that kernels work on, in the arena.
@@ -41,6 +43,7 @@ struct RenderStorage {
   std::span<WorkerStorage> workers;
 
   // PSSMLT
+  std::span<FilmPixel> films;  ///< one after the other, each of image.size() pixels
   std::span<BootstrapChunk> bootstrap;
   std::span<ChainStatistics> chains;  ///< of one round
   LuminanceMoments bootstrap_moments;
@@ -57,6 +60,12 @@ struct RenderStorage {
   const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
   std::atomic<bool> left_early{false};      ///< a tile was left before its end
   std::atomic<std::uint64_t> done{0};       ///< samples or mutations finished, raised once a unit
+
+  std::size_t film_count() const { return films.size() / image.size(); }
+  /// Film `index`; development moves all of them into the first.
+  std::span<FilmPixel> film(std::size_t index) const {
+    return films.subspan(index * image.size(), image.size());
+  }
 };
 
 /// Mutations of chain `index`: the job's total, spread evenly, the remainder over the first chains.

@@ -32,7 +32,7 @@ std::string hash_metropolis_film(const RenderStorage& storage, const FilmNormali
   update(hash, normalisation.fraction_bits);
   update(hash, std::bit_cast<std::uint64_t>(normalisation.b));
   update(hash, std::bit_cast<std::uint64_t>(normalisation.weight_b));
-  for (const FilmPixel& pixel : storage.workers[0].film) {
+  for (const FilmPixel& pixel : storage.film(0)) {
     hash.update(pixel.metropolis, sizeof pixel.metropolis);
     hash.update(pixel.uniform, sizeof pixel.uniform);
   }

@@ -118,6 +118,7 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
       checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
   if (job.roulette >= job.depth) job.roulette = 0;
   job.memory_limit = request.memory_limit;
+  job.film_memory = request.film_memory;
   job.instruction_set = request.instruction_set.value_or(best_instruction_set());
   checker.check(is_supported(job.instruction_set), "--isa",
                 "a set that this processor or binary does not have", "base, or nothing");

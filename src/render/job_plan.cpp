@@ -58,12 +58,12 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
   slots.error_blocks = memory.add<ErrorSums>("error estimate", Lifetime::kScene, pixel_units());
   slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
   slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
+  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kRender, workers);
   if (is_metropolis()) {
     plan_metropolis();
   } else {
     plan_path();
   }
-  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kRender, workers);
 }
 
 void JobPlan::plan_metropolis() {
@@ -76,7 +76,23 @@ void JobPlan::plan_metropolis() {
                                         workers * own_stride<SavedSample>(sample_capacity));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
                                    workers * own_stride<Splat>(std::size_t{2} * kernel.max_splats));
-  slots.films = memory.add<FilmPixel>("films, one a worker", Lifetime::kRender, workers * pixel_count());
+  const std::size_t fitting = std::min(job.film_memory, room_for_films()) / film_bytes();
+  films = static_cast<std::uint32_t>(std::clamp<std::size_t>(fitting, 1, workers));
+  slots.films = memory.add<FilmPixel>("films", Lifetime::kRender, films * pixel_count());
+}
+
+/// What --memory leaves to films, once all other blocks are planned.
+std::size_t JobPlan::room_for_films() const {
+  const std::size_t taken = memory.bytes(Lifetime::kScene) + memory.bytes(Lifetime::kRender);
+  return job.memory_limit < taken ? 0 : (job.memory_limit - taken) / kPage * kPage;
+}
+
+std::string JobPlan::describe_films() const {
+  if (films == workers) return fmt::format("{}, one for each worker", films);
+  const bool limited_by_memory = job.film_memory / film_bytes() > films;
+  return fmt::format("{}, shared by {} workers with atomic adds; {}", films, workers,
+                     limited_by_memory ? std::string("--memory leaves no room for more")
+                                       : fmt::format("more would exceed {} bytes of films", job.film_memory));
 }
 
 void JobPlan::plan_path() {
@@ -114,7 +130,7 @@ void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) cons
   const std::span<PrimarySample> samples = arena.take(slots.samples);
   const std::span<SavedSample> saved = arena.take(slots.saved);
   const std::span<Splat> splats = arena.take(slots.splats);
-  const std::span<FilmPixel> films = arena.take(slots.films);
+  storage.films = arena.take(slots.films);
   for (std::size_t i = 0; i < workers; ++i) {
     WorkerStorage& own = storage.workers[i];
     own.chain.samples = samples.subspan(i * own_stride<PrimarySample>(sample_capacity), sample_capacity);
@@ -122,7 +138,9 @@ void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) cons
     const std::size_t first_splat = i * own_stride<Splat>(std::size_t{2} * kernel.max_splats);
     own.chain.current = splats.subspan(first_splat, kernel.max_splats);
     own.chain.proposed = splats.subspan(first_splat + kernel.max_splats, kernel.max_splats);
-    own.film = films.subspan(i * pixel_count(), pixel_count());
+    const std::size_t film = i % films;
+    own.film = storage.film(film);
+    own.film_writers = film + films < workers ? FilmWriters::several : FilmWriters::one;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <cstdint>
+#include <string>
 
 #include "base/memory.hpp"
 #include "render/job.hpp"
@@ -42,6 +43,9 @@ struct JobPlan {
   /// Hands the arena's blocks to `storage`; the world's own blocks are taken by compile_world.
   void take_storage(Arena& arena, RenderStorage& storage) const;
 
+  /// How many films there are, who adds to them and why there are no more: a line of `mlt info`.
+  std::string describe_films() const;
+
   std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
   std::uint64_t pixel_units() const { return (pixel_count() + kPixelsPerUnit - 1) / kPixelsPerUnit; }
   bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
@@ -51,11 +55,14 @@ struct JobPlan {
   Kernel kernel;
   std::uint32_t sample_capacity;  ///< primary samples of one path at most
   std::uint32_t workers;          ///< threads that can have work at all
+  std::uint32_t films = 1;        ///< pssmlt: 1 to workers; worker i splats to film i % films
   MemoryPlan memory;
   RenderSlots slots;
 
  private:
   void plan_metropolis();
+  std::size_t film_bytes() const { return pixel_count() * sizeof(FilmPixel); }
+  std::size_t room_for_films() const;
   void plan_path();
   void take_metropolis_storage(Arena& arena, RenderStorage& storage) const;
 };

@@ -10,9 +10,10 @@ template <FeatureMask kFeatures>
 void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  Contribution contribution(storage.workers[worker].chain.proposed);
-  storage.bootstrap[chunk] =
-      evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution);
+  WorkerStorage& own = storage.workers[worker];
+  Contribution contribution(own.chain.proposed);
+  storage.bootstrap[chunk] = evaluate_bootstrap_chunk(
+      integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution, own.bootstrap_defects);
 }
 
 inline FillSteps fill_steps_of(MutationKind kind) {
@@ -45,7 +46,7 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   const WorkerStorage& own = storage.workers[worker];
   const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
   const SeedPath start = find_start(integrator, storage, own, index);
-  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains));
+  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains), own.film_writers);
   ChainSettings settings;
   settings.seed = storage.job.seed;
   settings.chain_index = storage.round * storage.job.chains + index;

@@ -109,7 +109,7 @@ void Renderer::State::render_metropolis() {
   statistics.partial = chunks_run < chunks;
   storage.bootstrap_moments =
       accumulate_bootstrap(storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
-  for (const BootstrapChunk& chunk : storage.bootstrap) add_defects(statistics, chunk.defects);
+  for (const WorkerStorage& worker : storage.workers) add_defects(statistics, worker.bootstrap_defects);
 
   ChainStatistics total;
   statistics.black = !(storage.bootstrap_moments.sum > 0.0);
@@ -149,14 +149,14 @@ struct DevelopContext {
   const FilmNormalisation& normalisation;
 };
 
-/// Moves the workers' films into the first one's and develops the image, for one range of pixels.
+/// Moves all films into the first one and develops the image, for one range of pixels.
 void develop_unit(void* context, std::uint32_t, std::uint64_t unit) {
   const auto& [storage, normalisation] = *static_cast<const DevelopContext*>(context);
   const std::size_t first = unit * kPixelsPerUnit;
   const std::size_t last = std::min<std::size_t>(first + kPixelsPerUnit, storage.image.size());
-  const std::span<FilmPixel> sum = storage.workers[0].film;
-  for (std::size_t i = 1; i < storage.workers.size(); ++i) {
-    const std::span<FilmPixel> film = storage.workers[i].film;
+  const std::span<FilmPixel> sum = storage.film(0);
+  for (std::size_t i = 1; i < storage.film_count(); ++i) {
+    const std::span<FilmPixel> film = storage.film(i);
     add_films(sum, film, first, last);
     std::fill(film.begin() + static_cast<std::ptrdiff_t>(first),
               film.begin() + static_cast<std::ptrdiff_t>(last), FilmPixel{});
@@ -218,9 +218,9 @@ struct EstimateContext {
 };
 
 PixelDifferences differences_of(const EstimateContext& context, std::size_t pixel) {
-  PixelDifferences differences =
-      context.is_metropolis ? pixel_differences(context.storage.workers[0].film[pixel], context.scale)
-                            : pixel_differences(context.storage.pixels[pixel], context.scale);
+  PixelDifferences differences = context.is_metropolis
+                                     ? pixel_differences(context.storage.films[pixel], context.scale)
+                                     : pixel_differences(context.storage.pixels[pixel], context.scale);
   for (int c = 0; c < 3; ++c) {
     const double common = static_cast<double>(context.image.pixels[pixel][c]) * context.b_relative_error;
     differences.halves[c] += common * common;
@@ -274,7 +274,10 @@ const MemoryPlan& Renderer::memory_plan() const {
 
 std::vector<InfoLine> Renderer::info() const {
   const JobPlan& plan = state_->plan;
-  return describe_scene(state_->scene, state_->counts, plan.job, plan.features, plan.sample_capacity);
+  std::vector<InfoLine> lines =
+      describe_scene(state_->scene, state_->counts, plan.job, plan.features, plan.sample_capacity);
+  if (plan.is_metropolis()) lines.push_back({"films", plan.describe_films()});
+  return lines;
 }
 
 void Renderer::prepare() {

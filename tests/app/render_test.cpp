@@ -203,8 +203,8 @@ TEST_CASE("info prints what was read, features, and the plan with its total") {
       folder.run({"info", "scene.txt", "--width", "100", "--height", "50", "--threads", "3"});
   CHECK(result.code == code_of(ExitCode::kOk));
   CHECK(result.error == "");
-  for (const char* fragment :
-       {"100 x 50", "features found", "features skipped", "memory plan", "total", "--memory"}) {
+  for (const char* fragment : {"100 x 50", "features found", "features skipped", "3, one for each worker",
+                               "memory plan", "total", "--memory"}) {
     CHECK_THAT(result.out, Catch::Contains(fragment));
   }
   CHECK(folder.outputs() == "");

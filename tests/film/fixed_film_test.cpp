@@ -122,14 +122,15 @@ TEST_CASE("values that no splat can have, and pixels outside the film, are bugs"
   CHECK(exit_code(0, 14.1f, 0x1p31) == bug);
 }
 
-/// One film for each worker; which worker runs which chain is `schedule`, in its order.
-Pixels run_scheduled(const std::vector<std::uint64_t>& schedule, std::size_t workers, const ToyJob& job,
-                     const ToyBootstrap& bootstrap) {
+/// Worker i splats to film i % `film_count`; which worker runs which chain is `schedule`, in its order.
+Pixels run_scheduled(const std::vector<std::uint64_t>& schedule, std::size_t workers, std::size_t film_count,
+                     const ToyJob& job, const ToyBootstrap& bootstrap) {
   const SmoothToy<> toy;
-  std::vector<Pixels> films(workers, Pixels(toy.kPixels));
+  const FilmWriters writers = film_count < workers ? FilmWriters::several : FilmWriters::one;
+  std::vector<Pixels> films(film_count, Pixels(toy.kPixels));
   std::atomic<std::size_t> next{0};
   const auto work = [&](std::size_t worker) {
-    FixedFilm film(films[worker], 40);
+    FixedFilm film(films[worker % film_count], 40, 0, writers);
     for (std::size_t i = 0; (i = next.fetch_add(1)) < schedule.size();) {
       const SeedPath start = seed_path_of_chain(toy, job, bootstrap, schedule[i]);
       run_chain<Mutation<MutationKind::kelemen>>(toy, job, 1, schedule[i], start, film);
@@ -147,22 +148,35 @@ Pixels run_scheduled(const std::vector<std::uint64_t>& schedule, std::size_t wor
   return sum;
 }
 
-TEST_CASE("pitfall 9: the same film for 1 to 64 threads and for shuffled chains") {
+TEST_CASE("pitfall 9: the same film for 1 to 64 threads, shuffled chains, and threads that share films") {
   ToyJob job;
   job.chains = 100;
   const ToyBootstrap bootstrap = run_bootstrap(SmoothToy<>{}, job.seed, job.bootstrap);
   std::vector<std::uint64_t> schedule(job.chains);
   std::iota(schedule.begin(), schedule.end(), 0);
-  const Pixels reference = run_scheduled(schedule, 1, job, bootstrap);
+  const Pixels reference = run_scheduled(schedule, 1, 1, job, bootstrap);
   CHECK_FALSE(reference == Pixels(reference.size()));
   Rng rng(9, StreamPurpose::kTest, 0);
-  for (const std::size_t workers : {1, 2, 3, 7, 64}) {
+  for (const std::size_t workers : {1U, 2U, 3U, 7U, 64U}) {
     for (std::size_t i = schedule.size() - 1; i > 0; --i) {
       std::swap(schedule[i], schedule[rng.next_fixed() % (i + 1)]);
     }
-    INFO(workers << " threads");
-    CHECK(run_scheduled(schedule, workers, job, bootstrap) == reference);
+    for (const std::size_t films : {workers, std::size_t{1}, workers / 2 + 1}) {
+      INFO(workers << " threads, " << films << " films");
+      CHECK(run_scheduled(schedule, workers, films, job, bootstrap) == reference);
+    }
   }
+}
+
+TEST_CASE("several writers add the same as one, to all sums of their pixel") {
+  Pixels alone(2), shared(2);
+  for (const int half : {1, -1, 0}) {
+    FixedFilm(alone, 28, half).splat(1, Vec3{0.5f, 0.25f, 3}, 2.5, 1.0);
+    FixedFilm(shared, 28, half, FilmWriters::several).splat(1, Vec3{0.5f, 0.25f, 3}, 2.5, 1.0);
+    FixedFilm(shared, 28, half, FilmWriters::several).splat(0, Vec3{1}, 0.0, 0.0);
+    CHECK(shared == alone);
+  }
+  CHECK(shared[0] == FilmPixel{});
 }
 
 TEST_CASE("adding films changes only the range asked for") {

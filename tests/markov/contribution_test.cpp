@@ -131,8 +131,7 @@ TEST_CASE("pitfall 3 and 4: injected defects are counted, rejected and leave the
     job.seed = seed;
     toy.injected = {};
     const ToyBootstrap bootstrap = run_bootstrap(toy, seed, job.bootstrap);
-    DefectCounts of_bootstrap;
-    for (const BootstrapChunk& chunk : bootstrap.chunks) of_bootstrap.add(chunk.defects);
+    const DefectCounts& of_bootstrap = bootstrap.defects;
     REQUIRE(of_bootstrap.nan == toy.injected[FaultyToy::kNanFault]);
     REQUIRE(total(of_bootstrap) + toy.injected[FaultyToy::kZero] ==
             std::accumulate(toy.injected.begin(), toy.injected.end(), std::uint64_t{0}));

@@ -26,6 +26,7 @@ struct ToyJob {
 struct ToyBootstrap {
   std::vector<BootstrapChunk> chunks;
   LuminanceMoments moments;
+  DefectCounts defects;
 };
 
 template <class Integrator>
@@ -35,7 +36,8 @@ ToyBootstrap run_bootstrap(const Integrator& integrator, std::uint64_t seed, std
   ToyBootstrap bootstrap;
   bootstrap.chunks.resize(bootstrap_chunk_count(paths));
   for (std::uint64_t i = 0; i < bootstrap.chunks.size(); ++i) {
-    bootstrap.chunks[i] = evaluate_bootstrap_chunk(integrator, seed, i, paths, contribution);
+    bootstrap.chunks[i] =
+        evaluate_bootstrap_chunk(integrator, seed, i, paths, contribution, bootstrap.defects);
   }
   bootstrap.moments = accumulate_bootstrap(bootstrap.chunks, paths);
   return bootstrap;

@@ -81,6 +81,8 @@ void set_option(Options& options, std::string_view name, std::string_view value)
     request.bootstrap = number<std::uint64_t>(name, value);
   } else if (name == "roulette") {
     request.roulette = number<std::uint32_t>(name, value);
+  } else if (name == "film_memory") {
+    request.film_memory = number<std::size_t>(name, value);
   } else if (name == "large_step") {
     request.large_step = number<float>(name, value);
   } else if (name == "statistics") {

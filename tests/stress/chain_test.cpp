@@ -113,9 +113,10 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   std::vector<Splat> current(FaultyIntegrator::kMaxSplats), proposed(FaultyIntegrator::kMaxSplats);
   Contribution contribution(proposed);
 
+  DefectCounts defects;
   std::vector<BootstrapChunk> chunks(bootstrap_chunk_count(job.bootstrap));
   for (std::uint64_t i = 0; i < chunks.size(); ++i) {
-    chunks[i] = evaluate_bootstrap_chunk(integrator, job.seed, i, job.bootstrap, contribution);
+    chunks[i] = evaluate_bootstrap_chunk(integrator, job.seed, i, job.bootstrap, contribution, defects);
   }
   const LuminanceMoments bootstrap = accumulate_bootstrap(chunks, job.bootstrap);
 
@@ -147,8 +148,7 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   result.image = ImageBuffer{kSide, kSide, std::vector<Vec3>(pixels.size())};
   develop_film(pixels, normalisation, result.image.pixels, 0, pixels.size());
   result.statistics.longest_rejection_run = total.longest_rejection_run;
-  DefectCounts defects = total.defects;
-  for (const BootstrapChunk& chunk : chunks) defects.add(chunk.defects);
+  defects.add(total.defects);
   result.statistics.rejected_nan = defects.nan;
   result.statistics.rejected_infinite = defects.infinite;
   result.statistics.rejected_negative = defects.negative;
