@@ -1,13 +1,11 @@
 // The options of `mlt converge` and `mlt report`: their entries of the option table, and their values.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/number.hpp"
-#include "app/options.hpp"
+#include "app/words.hpp"
 #include "converge/measure.hpp"
 
 namespace mlt {
@@ -15,7 +13,7 @@ namespace mlt {
 struct ConvergeCommand {
   std::string scene;
   std::string folder;
-  RenderRequest request;  ///< what all renders have in common
+  RenderRequest request;  ///< what all renders have in common; methods hold their settings themselves
   std::optional<std::string> reference;
   std::vector<ConvergeMethod> methods;  ///< without budgets
   std::vector<std::uint64_t> budgets;   ///< increasing; either these
@@ -35,13 +33,8 @@ struct ReportCommand {
 /// Adds the entries of both commands; those that converge shares with render must be in `table` already.
 void add_converge_options(std::vector<OptionSpec>& table);
 
-/// Values by long name, as split from the command line.
-using OptionWords = std::map<std::string, std::vector<std::string>>;
-
-/// The commands from their words; `request` holds the options that converge shares with render, and
-/// `diagnostics` their faults. Throws InputError with these and all others.
-ConvergeCommand make_converge_command(const OptionWords& options, const std::vector<std::string>& positional,
-                                      const RenderRequest& request, Diagnostics& diagnostics);
-ReportCommand make_report_command(const OptionWords& options, const std::vector<std::string>& positional);
+/// The commands from their words. Throw InputError with every fault found.
+ConvergeCommand make_converge_command(const Words& words);
+ReportCommand make_report_command(const Words& words);
 
 }  // namespace mlt

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "render/job.hpp"
+
 namespace mlt {
 
 /// name, what it does in one line.
@@ -35,6 +37,10 @@ struct OptionSpec {
   bool repeatable = false;
   std::vector<CommandKind> commands;
   std::string help;  ///< what it means, its range and its default
+  /// Of a setting of how to estimate the image: the integrators that look at it. Otherwise empty.
+  std::vector<IntegratorKind> integrators = {};
+
+  bool is_used_by(IntegratorKind kind) const;  ///< true of what is no such setting
 };
 
 /// All options; built once.
@@ -42,6 +48,9 @@ const std::vector<OptionSpec>& option_table();
 
 /// Those of `command`.
 std::vector<OptionSpec> options_of(CommandKind command);
+
+/// The settings of integrators, which a method of converge is made of.
+std::vector<OptionSpec> method_options();
 
 /// A value of an enumeration as the command line spells it (an underscore of the identifier is a hyphen
 /// here).

@@ -27,9 +27,10 @@ struct Words {
   const std::string& get(const std::string& name) const { return options.at(name).front(); }
 };
 
-/// Splits `words` by the option table; behind "--" every word is positional. Throws InputError for unknown
-/// options, and for options without their value or too often. `place` is e.g. "mlt render".
-Words split_words(const std::string& place, CommandKind command, std::vector<std::string> words);
+/// Splits `words` by `options`; behind "--" every word is positional. Throws InputError for unknown options,
+/// and for options without their value or too often. `place` is e.g. "mlt render".
+Words split_words(const std::string& place, const std::vector<OptionSpec>& options,
+                  std::vector<std::string> words);
 
 /// Reports a number of positional words other than `names`; returns whether it was right.
 bool check_positional(const std::string& place, const std::vector<std::string>& words,

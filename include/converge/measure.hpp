@@ -23,15 +23,15 @@ inline constexpr std::uint32_t kMaxReplicates = 4096;
 inline constexpr std::uint64_t kDefaultConvergeSeed = 1000000;
 
 struct ConvergeMethod {
-  IntegratorKind kind = IntegratorKind::path;
-  std::string name;
+  MethodRequest settings;
+  std::string name;                    ///< tells it from the other methods of the run
   std::vector<std::uint64_t> budgets;  ///< one a level: samples or mutations a pixel
 };
 
 struct ConvergePlan {
   std::vector<ConvergeMethod> methods;  ///< as many budgets each
   std::uint32_t replicates = 16;
-  RenderRequest request;  ///< integrator and samples are set by method and level; seed is the first
+  RenderRequest request;  ///< settings and samples are those of method and level; seed is the first
 
   std::size_t level_count() const { return methods.front().budgets.size(); }
   /// Another one for each replicate and level, and the same one for all methods.

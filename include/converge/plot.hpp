@@ -31,6 +31,7 @@ struct Plot {
 std::string to_svg(const Plot& plot);
 
 Plot plot_over_time(const ConvergeSummary& summary);
+Plot plot_over_processor_time(const ConvergeSummary& summary);
 Plot plot_over_samples(const ConvergeSummary& summary);
 
 /// `text` with the characters that XML and HTML reserve replaced, control characters left out, and bytes that

@@ -1,7 +1,7 @@
 // What a convergence run says: per method and level the errors over the replicates, and per method the slope,
-// the effort to a target error and the efficiency against the path tracer. A figure that is not known (no
-// reference, no path tracer, too few points) is NaN here, null in JSON and a dash on a page. The fields are
-// listed once, in visit_fields; writing and reading of JSON come from it.
+// the effort to a target error and the efficiency against a base. A figure that is not known (no reference,
+// too few points) is NaN here, null in JSON and a dash on a page. The fields are listed once, in
+// visit_fields; writing and reading of JSON come from it.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct LevelSummary {
   double mean = 0, mean_standard_error = 0;                 ///< of the image
   double bias = kUnknown, bias_standard_error = kUnknown;   ///< mean / reference's mean - 1, both noises
   double efficiency = kUnknown, efficiency_cpu = kUnknown;  ///< 1 / (median relMSE * median seconds)
-  double ratio = kUnknown, ratio_cpu = kUnknown;            ///< to the path tracer at the same time
+  double ratio = kUnknown, ratio_cpu = kUnknown;            ///< to that of the base at the same time
 };
 
 /// A figure with the interval that holds it with a confidence of 95 %; ends may be 0 or infinite.
@@ -54,6 +54,7 @@ struct ConvergeSummary {
   std::string reference, reference_variance, reference_picture;  ///< empty without
   double reference_rel_mse = kUnknown, reference_mean = kUnknown, reference_mean_error = kUnknown;
   double target = kUnknown;
+  std::string base;               ///< name of the method that efficiencies are compared with
   double equal_time_seconds = 0;  ///< median wall seconds of the fastest method's last level
   double error_map_high = 0, difference_map_high = 0;  ///< ends of the maps' scales
   std::vector<std::string> warnings;
@@ -99,7 +100,7 @@ void visit_level_fields(Visitor& visit, Level& level) {
 
 template <class Visitor, class Method>
 void visit_method_fields(Visitor& visit, Method& method) {
-  visit("integrator", method.name);
+  visit("method", method.name);
   visit("slope_time", method.slope_time);
   visit("slope_time_standard_error", method.slope_time_error);
   visit("slope_samples", method.slope_samples);
@@ -136,6 +137,7 @@ void visit_summary_fields(Visitor& visit, Summary& summary) {
   visit("reference_mean", summary.reference_mean);
   visit("reference_mean_standard_error", summary.reference_mean_error);
   visit("target", summary.target);
+  visit("efficiency_base", summary.base);
   visit("equal_time_seconds", summary.equal_time_seconds);
   visit("error_map_high", summary.error_map_high);
   visit("difference_map_high", summary.difference_map_high);

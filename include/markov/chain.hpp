@@ -27,6 +27,7 @@ struct ChainSettings {
   float large_step = 0.2f;  ///< probability in [0,1]
   float weight_b = 0;       ///< w above: the frozen b of the weights, > 0
   FillSteps fill_steps = nullptr;
+  float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
   std::uint64_t first_time = 1;
 };
 
@@ -69,7 +70,7 @@ class Chain {
         samples_(workspace.samples, workspace.saved,
                  Rng(settings.seed, StreamPurpose::kChain, settings.chain_index),
                  StepSource(BlockRng(settings.seed, StreamPurpose::kSteps, settings.chain_index),
-                            settings.fill_steps),
+                            settings.fill_steps, settings.step_size),
                  settings.first_time),
         current_{Contribution(workspace.current)},
         proposed_{Contribution(workspace.proposed)} {}

@@ -29,7 +29,7 @@ struct SavedSample {
 /// Steps in stock. Their order of use is the order of the generator's numbers.
 class StepSource {
  public:
-  StepSource(BlockRng rng, FillSteps fill) : rng_(rng), fill_(fill) {}
+  StepSource(BlockRng rng, FillSteps fill, float step_size) : rng_(rng), fill_(fill), step_size_(step_size) {}
 
   bool empty() const { return used_ == kStock; }
   /// Must not be empty.
@@ -43,13 +43,16 @@ class StepSource {
   static constexpr std::uint32_t kStock = 4 * kBlockDraws;
 
   void refill() {
-    for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) fill_(rng_, steps_ + first);
+    for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) {
+      fill_(rng_, steps_ + first, step_size_);
+    }
     used_ = 0;
   }
 
   alignas(16) std::uint32_t steps_[kStock];
   BlockRng rng_;
   FillSteps fill_;
+  float step_size_;
   std::uint32_t used_ = kStock;
 };
 

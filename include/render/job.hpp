@@ -48,8 +48,19 @@ inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 /// Samples or mutations a pixel of each round, where a job speaks of rounds.
 inline constexpr std::uint64_t kDefaultPerRound = 16;
 
-struct RenderRequest {
+/// How to estimate the image: an integrator and its settings.
+struct MethodRequest {
   IntegratorKind integrator = IntegratorKind::pssmlt;
+  std::optional<std::uint32_t> chains;            ///< pssmlt
+  std::optional<std::uint64_t> bootstrap;         ///< pssmlt: bootstrap paths
+  float large_step = 0.2f;                        ///< pssmlt: probability in [0,1]
+  StartKind start = StartKind::resampled;         ///< pssmlt
+  MutationKind mutation = MutationKind::kelemen;  ///< pssmlt: kind of small step
+  float step_size = 1;  ///< pssmlt: factor on the small steps' sizes, kMinStepSize to kMaxStepSize
+  std::optional<std::uint32_t> roulette;  ///< first path edge with Russian roulette; 0 switches it off
+};
+
+struct RenderRequest : MethodRequest {
   std::optional<std::uint32_t> width, height;      ///< pixels, 1 to kMaxFilmSide
   std::optional<std::uint64_t> samples_per_pixel;  ///< path: samples; pssmlt: mutations; >= 1
   std::optional<std::uint64_t> rounds;             ///< repetitions of that work, >= 1; default 1
@@ -59,12 +70,6 @@ struct RenderRequest {
   std::optional<std::uint32_t> depth;              ///< path edges from camera to light, 1 to kMaxDepth
   std::optional<std::uint32_t> threads;            ///< 1 to kMaxThreads; default: the machine's cores
   std::uint64_t seed = 0;
-  std::optional<std::uint32_t> chains;            ///< pssmlt
-  std::optional<std::uint64_t> bootstrap;         ///< pssmlt: bootstrap paths
-  float large_step = 0.2f;                        ///< pssmlt: probability in [0,1]
-  StartKind start = StartKind::resampled;         ///< pssmlt
-  MutationKind mutation = MutationKind::kelemen;  ///< pssmlt: kind of small step
-  std::optional<std::uint32_t> roulette;  ///< first path edge with Russian roulette; 0 switches it off
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes
   std::size_t film_memory = kDefaultFilmMemory;     ///< pssmlt: bytes that more films than one may take
   std::optional<InstructionSet> instruction_set;    ///< default: the best that the processor has
@@ -87,6 +92,7 @@ struct RenderJob {
   float large_step = 0;
   StartKind start = StartKind::resampled;
   MutationKind mutation = MutationKind::kelemen;
+  float step_size = 1;
   std::uint32_t roulette = 0;  ///< 0: off
   std::size_t memory_limit = 0;
   std::size_t film_memory = 0;  ///< without influence on the image

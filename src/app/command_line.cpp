@@ -9,6 +9,7 @@
 
 #include "app/number.hpp"
 #include "app/options.hpp"
+#include "app/request.hpp"
 #include "app/version.hpp"
 #include "app/words.hpp"
 #include "base/assert.hpp"
@@ -16,105 +17,6 @@
 
 namespace mlt {
 namespace {
-
-constexpr double kMaxLimit = 1e30;
-
-/// Parses the values of the options that make a RenderRequest.
-class RequestReader {
- public:
-  RequestReader(const Words& words, Diagnostics& diagnostics) : words_(words), diagnostics_(diagnostics) {}
-
-  RenderRequest read() {
-    RenderRequest request;
-    choose("--integrator", integrator_kinds(), request.integrator);
-    integer("--width", 1, kMaxFilmSide, request.width);
-    integer("--height", 1, kMaxFilmSide, request.height);
-    integer("--spp", 1, kMaxSamplesPerPixel, request.samples_per_pixel);
-    integer("--mutations", 1, kMaxSamplesPerPixel, request.samples_per_pixel);
-    if (words_.has("--spp") && words_.has("--mutations")) {
-      diagnostics_.push_back(
-          {"--mutations", 0, 0, "found together with --spp, which means the same; expected one"});
-    }
-    integer("--rounds", 1, kMaxSamplesPerPixel, request.rounds);
-    integer("--max-mutations", 1, kMaxSamplesPerPixel, request.max_per_pixel);
-    request.target_error = positive("--target-error");
-    request.seconds = positive("--time");
-    integer("--depth", 1, kMaxDepth, request.depth);
-    integer("--threads", 1, kMaxThreads, request.threads);
-    integer("--seed", 0, std::numeric_limits<std::uint64_t>::max(), request.seed);
-    integer("--chains", 1, kMaxChains, request.chains);
-    integer("--bootstrap", 1, kMaxBootstrap, request.bootstrap);
-    if (words_.has("--large-step")) {
-      request.large_step = parse_real("--large-step", words_.get("--large-step"), 0, 1, diagnostics_)
-                               .value_or(request.large_step);
-    }
-    choose("--start", start_kinds(), request.start);
-    choose("--mutation", mutation_kinds(), request.mutation);
-    roulette(request.roulette);
-    if (words_.has("--isa")) {
-      request.instruction_set = best_instruction_set();
-      choose("--isa", instruction_sets(), *request.instruction_set);
-    }
-    if (words_.has("--memory")) {
-      request.memory_limit =
-          parse_bytes("--memory", words_.get("--memory"), diagnostics_).value_or(request.memory_limit);
-    }
-    return request;
-  }
-
-  /// The options given that the chosen integrator does not look at.
-  std::vector<std::string> unused(const RenderRequest& request) const {
-    std::vector<std::string> warnings;
-    if (request.integrator == IntegratorKind::pssmlt) return warnings;
-    for (const char* name : {"--chains", "--bootstrap", "--large-step", "--start", "--mutation"}) {
-      if (!words_.has(name)) continue;
-      warnings.push_back(fmt::format("{}: has no effect with --integrator {}", name,
-                                     integrator_kinds()[static_cast<std::size_t>(request.integrator)].name));
-    }
-    return warnings;
-  }
-
- private:
-  template <class Target>
-  void integer(const char* name, std::uint64_t min, std::uint64_t max, Target& target) {
-    if (!words_.has(name)) return;
-    const auto value = parse_integer(name, words_.get(name), min, max, diagnostics_);
-    if (value) target = static_cast<decltype(target_value(target))>(*value);
-  }
-  template <class T>
-  static T target_value(const std::optional<T>&);
-  static std::uint64_t target_value(const std::uint64_t&);
-
-  std::optional<double> positive(const char* name) {
-    if (!words_.has(name)) return std::nullopt;
-    return parse_double(name, words_.get(name), std::numeric_limits<double>::min(), kMaxLimit, diagnostics_);
-  }
-
-  template <class Kind>
-  void choose(const char* name, const std::vector<NamedKind>& kinds, Kind& chosen) {
-    if (!words_.has(name)) return;
-    const auto index = choose_word(name, words_.get(name), names_of(kinds), diagnostics_);
-    if (index) chosen = static_cast<Kind>(*index);
-  }
-
-  void roulette(std::optional<std::uint32_t>& target) {
-    if (!words_.has("--roulette")) return;
-    const std::string& word = words_.get("--roulette");
-    Diagnostics ignored;
-    const auto value = parse_integer("--roulette", word, 1, kMaxDepth, ignored);
-    if (word == "off") {
-      target = 0;
-    } else if (value) {
-      target = static_cast<std::uint32_t>(*value);
-    } else {
-      report_value("--roulette", word, fmt::format("'off' or an integer from 1 to {}", kMaxDepth),
-                   diagnostics_);
-    }
-  }
-
-  const Words& words_;
-  Diagnostics& diagnostics_;
-};
 
 /// "folder/name.txt" to "name.png".
 std::string default_output(const std::string& scene) {
@@ -128,9 +30,8 @@ Command parse_render(const Words& words) {
   Diagnostics diagnostics;
   RenderCommand command;
   check_positional("mlt render", words.positional, {"SCENE"}, diagnostics);
-  RequestReader reader(words, diagnostics);
-  command.request = reader.read();
-  command.warnings = reader.unused(command.request);
+  command.request = read_request(words, {}, diagnostics);
+  command.warnings = unused_options(words, command.request.integrator);
   if (words.has("--exposure")) {
     command.exposure =
         parse_real("--exposure", words.get("--exposure"), -kMaxExposure, kMaxExposure, diagnostics)
@@ -150,9 +51,8 @@ Command parse_info(const Words& words) {
   Diagnostics diagnostics;
   InfoCommand command;
   check_positional("mlt info", words.positional, {"SCENE"}, diagnostics);
-  RequestReader reader(words, diagnostics);
-  command.request = reader.read();
-  command.warnings = reader.unused(command.request);
+  command.request = read_request(words, {}, diagnostics);
+  command.warnings = unused_options(words, command.request.integrator);
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.scene = words.positional.front();
   return command;
@@ -224,20 +124,17 @@ Command parse_command_line(const std::vector<std::string>& words) {
     std::optional<CompareCommand> compare = parse_compare(rest);
     return compare ? Command{std::move(*compare)} : Command{TextCommand{command_help(command)}};
   }
-  const Words split = split_words("mlt " + first, command, rest);
+  const Words split = split_words("mlt " + first, options_of(command), rest);
   if (split.has("--help")) return TextCommand{command_help(command)};
   switch (command) {
     case CommandKind::render:
       return parse_render(split);
     case CommandKind::info:
       return parse_info(split);
-    case CommandKind::converge: {
-      Diagnostics diagnostics;
-      const RenderRequest request = RequestReader(split, diagnostics).read();
-      return make_converge_command(split.options, split.positional, request, diagnostics);
-    }
+    case CommandKind::converge:
+      return make_converge_command(split);
     case CommandKind::report:
-      return make_report_command(split.options, split.positional);
+      return make_report_command(split);
     case CommandKind::compare:
     case CommandKind::help:
       break;

@@ -27,12 +27,12 @@ MarkedWords split_marked(const std::vector<std::string>& words) {
   result.marked = mark != words.end() && std::find(words.begin(), mark, "--test") != mark;
   if (result.marked) {
     const std::vector<std::string> left(words.begin(), mark);
-    result.before = split_words(kPlace, CommandKind::compare, left).positional.size();
+    result.before = split_words(kPlace, options_of(CommandKind::compare), left).positional.size();
     std::vector<std::string> all = left;
     all.insert(all.end(), mark + 1, words.end());
-    result.words = split_words(kPlace, CommandKind::compare, all);
+    result.words = split_words(kPlace, options_of(CommandKind::compare), all);
   } else {
-    result.words = split_words(kPlace, CommandKind::compare, words);
+    result.words = split_words(kPlace, options_of(CommandKind::compare), words);
     result.before = result.words.positional.size();
   }
   return result;

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -79,10 +80,9 @@ std::optional<Reference> load_reference(ConvergeCommand& command) {
 
 /// The options that make the same plan again, budgets written out.
 std::string command_text(const ConvergeCommand& command, const ConvergeRun& run) {
-  std::string text = fmt::format("mlt converge {} --integrators ",
+  std::string text = fmt::format("mlt converge {}",
                                  shell_quote((command.scene.starts_with("-") ? "./" : "") + command.scene));
-  for (const ConvergeMethod& method : run.methods)
-    text += (&method == &run.methods[0] ? "" : ",") + method.name;
+  for (const ConvergeMethod& method : run.methods) text += " --method " + shell_quote(method.name);
   text += command.times.empty() ? fmt::format(" --budgets {}", fmt::join(command.budgets, ","))
                                 : fmt::format(" --times {}", fmt::join(command.times, ","));
   if (command.reference) text += " --reference " + shell_quote(*command.reference);
@@ -100,6 +100,7 @@ std::string command_text(const ConvergeCommand& command, const ConvergeRun& run)
   if (request.mutation != defaults.mutation) {
     text += " --mutation " + mutation_kinds()[static_cast<std::size_t>(request.mutation)].name;
   }
+  if (request.step_size != defaults.step_size) text += fmt::format(" --step-size {}", request.step_size);
   if (request.roulette) {
     text += " --roulette " + (*request.roulette == 0 ? "off" : std::to_string(*request.roulette));
   }
@@ -115,6 +116,12 @@ void print_warnings(const std::vector<std::string>& warnings) {
 /// Shares of the pixels that the maps' scales hold; the rest, fireflies mostly, has the colour of the end.
 constexpr double kErrorShare = 0.99;
 constexpr double kDifferenceShare = 0.995;
+
+/// A method's name without blanks, for names of files.
+std::string file_stem(std::string method) {
+  std::replace(method.begin(), method.end(), ' ', '_');
+  return method;
+}
 
 /// Pictures of every method at equal time, with maps of one scale for all of them; names their files and
 /// scales in `summary`.
@@ -140,12 +147,13 @@ void write_pictures(const OutputFolder& folder, const ConvergeRun& run, const Re
   for (std::size_t i = 0; i < run.methods.size(); ++i) {
     MethodSummary& method = summary.methods[i];
     const auto level = static_cast<std::size_t>(method.equal_time_level);
-    method.picture = write(method.name + ".png", run.images[run.index(i, level, 0)], exposure);
-    method.mean_picture = write(method.name + ".mean.png", means[i], exposure);
-    method.error_map = write(method.name + ".error.png",
-                             draw_field(errors[i], ColourMap::kSequential, summary.error_map_high), 0);
+    const std::string stem = file_stem(method.name);
+    method.picture = write(stem + ".png", run.images[run.index(i, level, 0)], exposure);
+    method.mean_picture = write(stem + ".mean.png", means[i], exposure);
+    method.error_map =
+        write(stem + ".error.png", draw_field(errors[i], ColourMap::kSequential, summary.error_map_high), 0);
     method.difference_map =
-        write(method.name + ".difference.png",
+        write(stem + ".difference.png",
               draw_field(differences[i], ColourMap::kDiverging, summary.difference_map_high), 0);
   }
   summary.reference_picture =
@@ -159,6 +167,7 @@ void write_results(const OutputFolder& folder, const ConvergeRun& run, const Ref
   write_text(folder / "converge.csv", to_csv(run, summary.scene));
   write_pictures(folder, run, reference, exposure, summary);
   write_text(folder / "time.svg", to_svg(plot_over_time(summary)));
+  write_text(folder / "processor_time.svg", to_svg(plot_over_processor_time(summary)));
   write_text(folder / "samples.svg", to_svg(plot_over_samples(summary)));
   write_text(folder / "summary.json", to_json(summary));
 }

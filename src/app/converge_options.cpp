@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
+#include <sstream>
+
+#include "app/request.hpp"
 
 namespace mlt {
 namespace {
@@ -26,24 +30,54 @@ std::vector<std::string> split_list(const std::string& text) {
   return words;
 }
 
-std::vector<ConvergeMethod> read_methods(const std::string& text, Diagnostics& diagnostics) {
-  const std::vector<NamedKind>& kinds = integrator_kinds();
-  std::vector<ConvergeMethod> methods;
-  for (const std::string& word : split_list(text)) {
-    const auto found = std::find_if(kinds.begin(), kinds.end(),
-                                    [&word](const NamedKind& kind) { return kind.name == word; });
-    if (found == kinds.end()) {
-      const std::string hint = suggest(word, names_of(kinds));
-      report_value("--integrators", word,
-                   fmt::format("a list of {}{}", fmt::join(names_of(kinds), ", "), hint), diagnostics);
-      continue;
-    }
-    const bool twice = std::any_of(methods.begin(), methods.end(),
-                                   [&word](const ConvergeMethod& method) { return method.name == word; });
-    if (twice) report_value("--integrators", text, "each name once", diagnostics);
-    methods.push_back({static_cast<IntegratorKind>(found - kinds.begin()), word, {}});
+/// "a  b" to a and b.
+std::vector<std::string> split_at_blanks(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// One method from "INTEGRATOR [SETTING]..." as found with `option`, with the settings of the whole command
+/// where it has none of its own. Its name says the same with single blanks and the settings in the table's
+/// order.
+ConvergeMethod read_method(const std::string& option, const std::string& text, ConvergeCommand& command) {
+  const std::vector<OptionSpec> settings = method_options();
+  const Words words = split_words("mlt converge", settings, split_at_blanks(text));
+  Diagnostics diagnostics;
+  RenderRequest request = read_request(words, command.request, diagnostics);
+  const std::string first = words.positional.empty() ? "" : words.positional.front();
+  const auto kind = choose_word(option, first, names_of(integrator_kinds()), diagnostics);
+  for (std::size_t i = 1; i < words.positional.size(); ++i) {
+    report_value(option, words.positional[i], "settings as of mlt render behind the integrator", diagnostics);
   }
-  return methods;
+  if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
+  request.integrator = static_cast<IntegratorKind>(*kind);
+  std::string name = first;
+  for (const OptionSpec& setting : settings) {
+    if (words.has(setting.name)) name += fmt::format(" {} {}", setting.name, words.get(setting.name));
+  }
+  for (const std::string& warning : unused_options(words, request.integrator)) {
+    command.warnings.push_back(fmt::format("--method '{}': {}", name, warning));
+  }
+  return {request, name, {}};
+}
+
+/// Methods from texts of `option`, --integrators or --method, whose name goes before every fault.
+void read_methods(const std::string& option, const std::vector<std::string>& texts, ConvergeCommand& command,
+                  Diagnostics& diagnostics) {
+  for (const std::string& text : texts) {
+    try {
+      ConvergeMethod method = read_method(option, text, command);
+      const bool twice = std::any_of(command.methods.begin(), command.methods.end(),
+                                     [&](const ConvergeMethod& other) { return other.name == method.name; });
+      if (twice) report_value(option, method.name, "each method once", diagnostics);
+      command.methods.push_back(std::move(method));
+    } catch (const InputError& error) {
+      for (Diagnostic fault : error.diagnostics()) {
+        if (fault.file != option) fault.file = fmt::format("{} '{}': {}", option, text, fault.file);
+        diagnostics.push_back(fault);
+      }
+    }
+  }
 }
 
 /// Reports a list that is too long or does not increase.
@@ -87,6 +121,17 @@ void add_own_options(std::vector<OptionSpec>& table) {
   add("--integrators", "", "LIST",
       fmt::format("methods to compare, names with commas between them. Default: {}",
                   fmt::join(names_of(integrator_kinds()), ",")));
+  std::vector<std::string> settings;
+  for (const OptionSpec& option : table) {
+    if (!option.integrators.empty()) settings.push_back(option.name);
+  }
+  add("--method", "", "METHOD",
+      fmt::format(
+          "instead of --integrators, any number of times: an integrator and its settings in one word, e.g. "
+          "--method 'pssmlt --large-step 0.5'. Settings are {}; outside of a method they hold for all that "
+          "say nothing else",
+          fmt::join(settings, ", ")));
+  table.back().repeatable = true;
   add("--reference", "", "R.pfm",
       "picture that errors are measured against; R.variance.pfm beside it, the variance of its pixels, is "
       "taken off. Without a reference the error is the variance over replicates");
@@ -113,14 +158,13 @@ void add_own_options(std::vector<OptionSpec>& table) {
 /// Looks options up by name.
 class Given {
  public:
-  explicit Given(const OptionWords& options) : options_(options) {}
+  explicit Given(const Words& words) : words_(words) {}
   const std::string* operator()(const char* name) const {
-    const auto found = options_.find(name);
-    return found == options_.end() ? nullptr : &found->second.front();
+    return words_.has(name) ? &words_.get(name) : nullptr;
   }
 
  private:
-  const OptionWords& options_;
+  const Words& words_;
 };
 
 std::string only_word(const std::string& place, const std::string& name,
@@ -152,28 +196,42 @@ void read_effort(const Given& given, ConvergeCommand& command, Diagnostics& diag
   }
 }
 
-/// Warns of options that none of the methods looks at.
-void add_unused(const Given& given, ConvergeCommand& command) {
-  for (const ConvergeMethod& method : command.methods) {
-    if (method.kind == IntegratorKind::pssmlt) return;
+/// The methods of --method, or of --integrators, or one of each integrator.
+void read_all_methods(const Words& words, ConvergeCommand& command, Diagnostics& diagnostics) {
+  const Given given(words);
+  const std::string* names = given("--integrators");
+  if (names != nullptr && words.has("--method")) {
+    diagnostics.push_back({"--method", 0, 0, "found together with --integrators; expected one of them"});
   }
-  for (const char* name : {"--chains", "--bootstrap", "--large-step", "--start", "--mutation"}) {
-    if (given(name) == nullptr) continue;
-    command.warnings.push_back(fmt::format("{}: has no effect without pssmlt among --integrators", name));
+  if (words.has("--method")) {
+    read_methods("--method", words.options.at("--method"), command, diagnostics);
+  } else {
+    read_methods("--integrators", names != nullptr ? split_list(*names) : names_of(integrator_kinds()),
+                 command, diagnostics);
+  }
+}
+
+/// Warns of settings for all methods that none of them looks at.
+void add_unused(const Words& words, ConvergeCommand& command) {
+  for (const OptionSpec& option : method_options()) {
+    const bool used = std::any_of(
+        command.methods.begin(), command.methods.end(),
+        [&option](const ConvergeMethod& method) { return option.is_used_by(method.settings.integrator); });
+    if (used || !words.has(option.name)) continue;
+    command.warnings.push_back(fmt::format("{}: has no effect on any of the methods", option.name));
   }
 }
 
 }  // namespace
 
 void add_converge_options(std::vector<OptionSpec>& table) {
-  const std::vector<std::string> shared{"--depth", "--chains",   "--bootstrap", "--large-step",
-                                        "--start", "--mutation", "--roulette",  "--threads",
-                                        "--isa",   "--memory",   "--exposure",  "--quiet"};
+  const std::vector<std::string> shared{"--depth", "--threads", "--isa", "--memory", "--exposure", "--quiet"};
   for (OptionSpec& option : table) {
     // Another command may have an option of the same name that means something else.
     const bool of_render = std::find(option.commands.begin(), option.commands.end(), CommandKind::render) !=
                            option.commands.end();
-    if (of_render && std::find(shared.begin(), shared.end(), option.name) != shared.end()) {
+    const bool is_shared = std::find(shared.begin(), shared.end(), option.name) != shared.end();
+    if (of_render && (is_shared || !option.integrators.empty())) {
       option.commands.push_back(CommandKind::converge);
     }
     if (option.name == "--help") {
@@ -189,21 +247,19 @@ void add_converge_options(std::vector<OptionSpec>& table) {
                    "the page to write, a name that ends in .html; default: DIR/report.html"});
 }
 
-ConvergeCommand make_converge_command(const OptionWords& options, const std::vector<std::string>& positional,
-                                      const RenderRequest& request, Diagnostics& diagnostics) {
+ConvergeCommand make_converge_command(const Words& words) {
+  Diagnostics diagnostics;
   ConvergeCommand command;
-  command.request = request;
-  command.scene = only_word("mlt converge", "SCENE", positional, diagnostics);
-  const Given given(options);
+  command.request = read_request(words, {}, diagnostics);
+  command.scene = only_word("mlt converge", "SCENE", words.positional, diagnostics);
+  const Given given(words);
   if (const std::string* folder = given("--output")) {
     command.folder = *folder;
   } else {
     diagnostics.push_back({"--output", 0, 0, "is missing; expected -o DIR, the folder for the results"});
   }
-  const std::string* names = given("--integrators");
-  command.methods = read_methods(
-      names != nullptr ? *names : fmt::format("{}", fmt::join(names_of(integrator_kinds()), ",")),
-      diagnostics);
+  if (given("--seed") == nullptr) command.request.seed = kDefaultConvergeSeed;
+  read_all_methods(words, command, diagnostics);
   if (const std::string* reference = given("--reference")) command.reference = *reference;
   read_effort(given, command, diagnostics);
   if (const std::string* target = given("--target")) {
@@ -213,18 +269,17 @@ ConvergeCommand make_converge_command(const OptionWords& options, const std::vec
     command.exposure =
         parse_real("--exposure", *exposure, -kMaxExposure, kMaxExposure, diagnostics).value_or(0.0f);
   }
-  add_unused(given, command);
-  if (given("--seed") == nullptr) command.request.seed = kDefaultConvergeSeed;
+  add_unused(words, command);
   command.quiet = given("--quiet") != nullptr;
   if (!diagnostics.empty()) throw InputError(diagnostics);
   return command;
 }
 
-ReportCommand make_report_command(const OptionWords& options, const std::vector<std::string>& positional) {
+ReportCommand make_report_command(const Words& words) {
   Diagnostics diagnostics;
   ReportCommand command;
-  command.folder = only_word("mlt report", "DIR", positional, diagnostics);
-  const std::string* output = Given(options)("--output");
+  command.folder = only_word("mlt report", "DIR", words.positional, diagnostics);
+  const std::string* output = Given(words)("--output");
   command.output = output != nullptr ? *output : command.folder + "/report.html";
   if (!diagnostics.empty()) throw InputError(diagnostics);
   return command;

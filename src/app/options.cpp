@@ -54,12 +54,24 @@ void add_output_options(std::vector<OptionSpec>& table) {
   table.push_back({"--quiet", "-q", "", false, render, "no progress line and no closing summary"});
 }
 
-/// What decides the image, apart from the scene: all of these are in the command stored with the image.
+/// Adds an option of render and info.
+void add_job_option(std::vector<OptionSpec>& table, const char* name, const char* value, std::string help,
+                    std::vector<IntegratorKind> integrators = {}) {
+  table.push_back({name,
+                   "",
+                   value,
+                   false,
+                   {CommandKind::render, CommandKind::info},
+                   std::move(help),
+                   std::move(integrators)});
+}
+
+/// What decides the image, apart from the scene; all of these and of add_settings are in the command stored
+/// with the image.
 void add_job_options(std::vector<OptionSpec>& table) {
-  const Commands both{CommandKind::render, CommandKind::info};
   const RenderRequest defaults;
-  const auto add = [&table, &both](const char* name, const char* value, std::string help) {
-    table.push_back({name, "", value, false, both, std::move(help)});
+  const auto add = [&table](const char* name, const char* value, std::string help) {
+    add_job_option(table, name, value, std::move(help));
   };
   add("--integrator", "NAME",
       fmt::format("{}. Default: {}", list_of(integrator_kinds()),
@@ -87,23 +99,46 @@ void add_job_options(std::vector<OptionSpec>& table) {
           "directly, 2 adds direct illumination, each further one a bounce. Default: the scene's, else {}",
           kMaxDepth, kDefaultDepth));
   add("--seed", "N", "any 64-bit integer; another seed gives other noise. Default: 0");
-  add("--chains", "N",
-      fmt::format("pssmlt: number of Markov chains, 1 to {}. Default: from the number of mutations",
-                  kMaxChains));
-  add("--bootstrap", "N",
+}
+
+/// How the integrators estimate the image.
+void add_settings(std::vector<OptionSpec>& table) {
+  const RenderRequest defaults;
+  const std::vector<IntegratorKind> chains{IntegratorKind::pssmlt};
+  const auto add_setting = [&table](const char* name, const char* value,
+                                    const std::vector<IntegratorKind>& integrators, std::string help) {
+    add_job_option(table, name, value, std::move(help), integrators);
+  };
+  add_setting("--chains", "N", chains,
+              fmt::format("pssmlt: number of Markov chains, 1 to {}. Default: from the number of mutations",
+                          kMaxChains));
+  add_setting(
+      "--bootstrap", "N", chains,
       fmt::format(
           "pssmlt: number of paths that seed the chains, 1 to {}. Default: from the number of mutations",
           kMaxBootstrap));
-  add("--large-step", "P",
-      fmt::format("pssmlt: probability of a large step, 0 to 1; default {}", defaults.large_step));
-  add("--start", "NAME",
+  add_setting("--large-step", "P", chains,
+              fmt::format("pssmlt: probability of a large step, 0 to 1; default {}", defaults.large_step));
+  add_setting(
+      "--start", "NAME", chains,
       fmt::format("pssmlt: {}. Default: {}", list_of(start_kinds()), name_of(start_kinds(), defaults.start)));
-  add("--mutation", "NAME",
-      fmt::format("pssmlt: kind of small step. {}. Default: {}", list_of(mutation_kinds()),
-                  name_of(mutation_kinds(), defaults.mutation)));
-  add("--roulette", "N|off",
-      fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: {}", kMaxDepth,
-                  kDefaultRouletteEdge));
+  add_setting("--mutation", "NAME", chains,
+              fmt::format("pssmlt: kind of small step. {}. Default: {}", list_of(mutation_kinds()),
+                          name_of(mutation_kinds(), defaults.mutation)));
+  add_setting("--step-size", "X", chains,
+              fmt::format("pssmlt: factor on the sizes of small steps, {} to {}; default {}", kMinStepSize,
+                          kMaxStepSize, defaults.step_size));
+  add_setting("--roulette", "N|off", {IntegratorKind::path, IntegratorKind::pssmlt},
+              fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: {}",
+                          kMaxDepth, kDefaultRouletteEdge));
+}
+
+/// Where the render runs; without influence on the image.
+void add_machine_options(std::vector<OptionSpec>& table) {
+  const RenderRequest defaults;
+  const auto add = [&table](const char* name, const char* value, std::string help) {
+    add_job_option(table, name, value, std::move(help));
+  };
   add("--threads", "N",
       fmt::format("1 to {}, without influence on the image; default: the machine's cores", kMaxThreads));
   add("--isa", "NAME",
@@ -120,6 +155,8 @@ std::vector<OptionSpec> make_table() {
   std::vector<OptionSpec> table;
   add_output_options(table);
   add_job_options(table);
+  add_settings(table);
+  add_machine_options(table);
   add_compare_options(table);
   table.push_back({"--help",
                    "-h",
@@ -145,6 +182,16 @@ std::vector<OptionSpec> options_of(CommandKind command) {
       found.push_back(option);
     }
   }
+  return found;
+}
+
+bool OptionSpec::is_used_by(IntegratorKind kind) const {
+  return integrators.empty() || std::find(integrators.begin(), integrators.end(), kind) != integrators.end();
+}
+
+std::vector<OptionSpec> method_options() {
+  std::vector<OptionSpec> found = option_table();
+  std::erase_if(found, [](const OptionSpec& option) { return option.integrators.empty(); });
   return found;
 }
 

@@ -30,6 +30,7 @@ class JsonObject {
   void add(const char* key, const std::string& text) { add_raw(key, json_string(text)); }
   void add(const char* key, bool value) { add_raw(key, value ? "true" : "false"); }
   void add(const char* key, std::uint64_t value) { add_raw(key, std::to_string(value)); }
+  void add(const char* key, float value) { add_raw(key, fmt::format("{}", value)); }
   void add(const char* key, double value) {
     add_raw(key, std::isfinite(value) ? fmt::format("{}", value) : "null");
   }
@@ -74,10 +75,10 @@ std::string canonical_command(const std::string& scene, const RenderJob& job, fl
                   shell_quote(name), integrator_name(job), is_pssmlt ? "mutations" : "spp",
                   job.samples_per_pixel, job.width, job.height, job.depth, job.seed);
   if (is_pssmlt) {
-    command +=
-        fmt::format(" --chains {} --bootstrap {} --large-step {} --start {} --mutation {}", job.chains,
-                    job.bootstrap, job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
-                    mutation_kinds()[static_cast<std::size_t>(job.mutation)].name);
+    command += fmt::format(
+        " --chains {} --bootstrap {} --large-step {} --start {} --mutation {} --step-size {}", job.chains,
+        job.bootstrap, job.large_step, start_kinds()[static_cast<std::size_t>(job.start)].name,
+        mutation_kinds()[static_cast<std::size_t>(job.mutation)].name, job.step_size);
   }
   if (job.in_rounds) command += fmt::format(" --rounds {}", std::max<std::uint64_t>(rounds, 1));
   command += " --roulette " + (job.roulette == 0 ? std::string("off") : std::to_string(job.roulette));
@@ -125,6 +126,7 @@ std::string to_json(const RenderRecord& record) {
   object.add("seed", record.job.seed);
   object.add("chains", std::uint64_t{record.job.chains});
   object.add("bootstrap", record.job.bootstrap);
+  object.add("step_size", record.job.step_size);
   object.add("threads", std::uint64_t{record.job.threads});
   object.add("wall_seconds", statistics.wall_seconds);
   object.add("cpu_seconds", statistics.cpu_seconds);

@@ -13,8 +13,8 @@ namespace mlt {
 namespace {
 
 /// "--spp N", or the name alone for a switch.
-std::string usage_of(CommandKind command, const std::string& name) {
-  for (const OptionSpec& option : options_of(command)) {
+std::string usage_of(const std::vector<OptionSpec>& options, const std::string& name) {
+  for (const OptionSpec& option : options) {
     if (option.name == name || option.short_name == name) {
       return option.value.empty() ? name : name + " " + option.value;
     }
@@ -22,10 +22,10 @@ std::string usage_of(CommandKind command, const std::string& name) {
   return "options as in the help text";
 }
 
-void report_unknown(const std::string& place, CommandKind command, const std::string& word,
+void report_unknown(const std::string& place, const std::vector<OptionSpec>& options, const std::string& word,
                     Diagnostics& diagnostics) {
   std::vector<std::string> names;
-  for (const OptionSpec& option : options_of(command)) names.push_back(option.name);
+  for (const OptionSpec& option : options) names.push_back(option.name);
   const std::string name = word.substr(0, word.find('='));
   const std::string hint = suggest(name, names);
   diagnostics.push_back(
@@ -34,8 +34,8 @@ void report_unknown(const std::string& place, CommandKind command, const std::st
 }
 
 /// Reports options given more often than allowed.
-void check_counts(CommandKind command, const Words& words, Diagnostics& diagnostics) {
-  for (const OptionSpec& option : options_of(command)) {
+void check_counts(const std::vector<OptionSpec>& options, const Words& words, Diagnostics& diagnostics) {
+  for (const OptionSpec& option : options) {
     const auto found = words.options.find(option.name);
     if (option.repeatable || found == words.options.end() || found->second.size() < 2) continue;
     diagnostics.push_back(
@@ -54,13 +54,14 @@ std::string allowed_instead(const std::string& word, const std::vector<std::stri
   return (hint.empty() ? "; expected " : hint + " Expected ") + fmt::format("{}", fmt::join(allowed, ", "));
 }
 
-Words split_words(const std::string& place, CommandKind command, std::vector<std::string> words) {
+Words split_words(const std::string& place, const std::vector<OptionSpec>& options,
+                  std::vector<std::string> words) {
   CLI::App app;
   app.set_help_flag();
   app.allow_extras();
   Words result;
   std::map<std::string, bool> switches;
-  for (const OptionSpec& option : options_of(command)) {
+  for (const OptionSpec& option : options) {
     const std::string names = option.short_name.empty() ? option.name : option.short_name + "," + option.name;
     if (option.value.empty()) {
       app.add_flag(names, switches[option.name])->disable_flag_override();
@@ -78,7 +79,7 @@ Words split_words(const std::string& place, CommandKind command, std::vector<std
     // The library's text starts with the option's name.
     const std::string text = error.what();
     const std::string name = text.substr(0, text.find_first_of(": "));
-    if (name.starts_with("-")) fail_words(name, "found no value; expected " + usage_of(command, name));
+    if (name.starts_with("-")) fail_words(name, "found no value; expected " + usage_of(options, name));
     fail_words(place, text + "; see '" + place + " --help'");
   }
   std::erase_if(result.options, [](const auto& item) { return item.second.empty(); });
@@ -88,9 +89,9 @@ Words split_words(const std::string& place, CommandKind command, std::vector<std
   Diagnostics diagnostics;
   for (const std::string& word : app.remaining()) {
     // The mark itself, behind which every word is positional, is handed back too.
-    if (word != "--") report_unknown(place, command, word, diagnostics);
+    if (word != "--") report_unknown(place, options, word, diagnostics);
   }
-  check_counts(command, result, diagnostics);
+  check_counts(options, result, diagnostics);
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   return result;
 }

@@ -116,7 +116,7 @@ std::uint64_t image_bytes(const ConvergePlan& plan, const RenderJob& job) {
 
 RenderRequest ConvergePlan::request_of(std::size_t method, std::size_t level, std::uint32_t replicate) const {
   RenderRequest result = request;
-  result.integrator = methods[method].kind;
+  static_cast<MethodRequest&>(result) = methods[method].settings;
   result.samples_per_pixel = methods[method].budgets[level];
   result.seed = seed_of(replicate, level);
   return result;
@@ -149,7 +149,7 @@ bool budgets_for_times(const SceneDescription& scene, const std::vector<double>&
   constexpr double kShortest = 1e-6;  // a clock's tick
   for (ConvergeMethod& method : plan.methods) {
     RenderRequest request = plan.request;
-    request.integrator = method.kind;
+    static_cast<MethodRequest&>(request) = method.settings;
     std::vector<Trial> trials;
     for (std::uint64_t budget = 1; budget <= kMaxSamplesPerPixel; budget *= 2) {
       request.samples_per_pixel = budget;

@@ -17,13 +17,18 @@ constexpr double kFewDecades = 2.6;    // below, ticks at 2 and 5 are labelled t
 constexpr double kLeastDecades = 0.7;  // holds two labels wherever it begins
 constexpr double kPadding = 0.05;      // of the range, free at either end
 constexpr double kLegendLine = 20;
+constexpr double kLegendLetter = 7.4;  // mean width of a letter at the font's size
+constexpr double kLegendKey = 62;      // what a line of the legend needs besides its text
+constexpr std::size_t kLinesInside = 4;
+constexpr double kWidthInside = 260;  // a legend with more lines, or wider, stands below the frame
 
 struct Style {
   const char* colour;
   const char* dashes;
 };
-constexpr Style kStyles[] = {
-    {"#0072B2", "none"}, {"#D55E00", "8 4"}, {"#009E73", "2 3"}, {"#CC79A7", "10 3 2 3"}, {"#555555", "5 2"}};
+constexpr Style kStyles[] = {{"#0072B2", "none"},     {"#D55E00", "8 4"}, {"#009E73", "2 3"},
+                             {"#CC79A7", "10 3 2 3"}, {"#555555", "5 2"}, {"#E69F00", "12 3"},
+                             {"#56B4E9", "6 2 2 2"}};
 
 const Style& style_of(std::size_t index) {
   return kStyles[index % std::size(kStyles)];
@@ -204,26 +209,43 @@ bool covers_a_point(const Canvas& canvas, const std::vector<std::vector<PlotPoin
   return false;
 }
 
-/// In the upper right corner, which falling curves leave free, or else the lower left one.
-std::string draw_legend(const Plot& plot, const Canvas& canvas,
-                        const std::vector<std::vector<PlotPoint>>& curves, bool has_guide) {
+struct Legend {
+  double left, top, width, height;
+  double scale = 1;    ///< of the letters, below 1 where the longest name would leave the picture
+  bool below = false;  ///< the frame, where the picture is made higher for it
+};
+
+/// In the upper right corner, which falling curves leave free, or else the lower left one, or below.
+Legend place_legend(const Plot& plot, const Canvas& canvas, const std::vector<std::vector<PlotPoint>>& curves,
+                    bool has_guide) {
   std::size_t longest = 8;
   for (const PlotSeries& series : plot.series) longest = std::max(longest, series.name.size());
-  const double width = 62 + 7.4 * static_cast<double>(longest);
-  const double height = 10 + kLegendLine * static_cast<double>(plot.series.size() + (has_guide ? 1 : 0));
-  double left = kRight - width - 8;
-  double top = kTop + 8;
-  if (covers_a_point(canvas, curves, left, top, width, height) &&
-      !covers_a_point(canvas, curves, kLeft + 8, kBottom - height - 8, width, height)) {
-    left = kLeft + 8;
-    top = kBottom - height - 8;
+  const std::size_t lines = plot.series.size() + (has_guide ? 1 : 0);
+  const double letters = kLegendLetter * static_cast<double>(longest);
+  const double width = kLegendKey + letters;
+  const double height = 10 + kLegendLine * static_cast<double>(lines);
+  if (lines > kLinesInside || width > kWidthInside) {
+    const double room = kWidth - kLeft - 8;
+    return {kLeft, kHeight, std::min(width, room), height, std::min(1.0, (room - kLegendKey) / letters),
+            true};
   }
+  const Legend corner{kRight - width - 8, kTop + 8, width, height};
+  const Legend other{kLeft + 8, kBottom - height - 8, width, height};
+  const auto covers = [&](const Legend& legend) {
+    return covers_a_point(canvas, curves, legend.left, legend.top, legend.width, legend.height);
+  };
+  return covers(corner) && !covers(other) ? other : corner;
+}
+
+std::string draw_legend(const Plot& plot, const Legend& legend, bool has_guide) {
   std::string text = fmt::format(
       "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"#fff\" "
       "fill-opacity=\"0.85\" "
       "stroke=\"#ccc\"/>\n",
-      left, top, width, height);
-  double y = top + 5 + kLegendLine / 2;
+      legend.left, legend.top, legend.width, legend.height);
+  const double left = legend.left;
+  const std::string font = legend.scale < 1 ? fmt::format("font-size=\"{:.2f}\"", 13 * legend.scale) : "";
+  double y = legend.top + 5 + kLegendLine / 2;
   for (std::size_t i = 0; i < plot.series.size(); ++i, y += kLegendLine) {
     text += fmt::format(
         "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"36\" height=\"12\" fill=\"{}\" fill-opacity=\"0.16\"/>\n",
@@ -231,7 +253,7 @@ std::string draw_legend(const Plot& plot, const Canvas& canvas,
     text += line(left + 8, y, left + 44, y,
                  fmt::format("stroke=\"{}\" stroke-width=\"2\" stroke-dasharray=\"{}\"", style_of(i).colour,
                              style_of(i).dashes));
-    text += marker(i, left + 26, y) + text_at(left + 52, y + 4.5, "", xml_text(plot.series[i].name));
+    text += marker(i, left + 26, y) + text_at(left + 52, y + 4.5, font, xml_text(plot.series[i].name));
   }
   if (has_guide) {
     text +=
@@ -251,6 +273,10 @@ Canvas canvas_for(const Plot& plot, const std::vector<std::vector<PlotPoint>>& c
     }
   }
   return {axis_over(xs, kLeft, kRight), axis_over(ys, kBottom, kTop)};
+}
+
+std::string threads_of(const ConvergeSummary& summary) {
+  return summary.threads == 1 ? "1 thread" : fmt::format("{:g} threads", summary.threads);
 }
 
 Plot plot_of(const ConvergeSummary& summary, const std::string& x_label, double LevelSummary::*x,
@@ -295,14 +321,16 @@ std::string to_svg(const Plot& plot) {
   std::vector<std::vector<PlotPoint>> curves;
   for (const PlotSeries& series : plot.series) curves.push_back(drawable(series));
   const Canvas canvas = canvas_for(plot, curves);
+  const std::string guide = curves.empty() ? "" : draw_guide(canvas, curves.front());
+  const Legend legend = place_legend(plot, canvas, curves, !guide.empty());
+  const double height = legend.below ? kHeight + legend.height + 10 : kHeight;
   std::string text = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" width=\"{:g}\" height=\"{:g}\" "
       "role=\"img\" font-family=\"Helvetica, Arial, 'Liberation Sans', sans-serif\" font-size=\"13\" "
       "fill=\"#222\">\n<title>{}: {} over {}</title>\n<rect width=\"{:g}\" height=\"{:g}\" fill=\"#fff\"/>\n",
-      kWidth, kHeight, kWidth, kHeight, xml_text(plot.title), xml_text(plot.y_label), xml_text(plot.x_label),
-      kWidth, kHeight);
+      kWidth, height, kWidth, height, xml_text(plot.title), xml_text(plot.y_label), xml_text(plot.x_label),
+      kWidth, height);
   text += draw_axis(canvas.x, true) + draw_axis(canvas.y, false);
-  const std::string guide = curves.empty() ? "" : draw_guide(canvas, curves.front());
   text += guide;
   for (std::size_t i = 0; i < curves.size(); ++i) text += draw_band(canvas, i, curves[i]);
   text += draw_target(canvas, plot);
@@ -310,7 +338,7 @@ std::string to_svg(const Plot& plot) {
   text += fmt::format(
       "<rect x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\" fill=\"none\" stroke=\"#333\"/>\n", kLeft,
       kTop, kRight - kLeft, kBottom - kTop);
-  text += draw_legend(plot, canvas, curves, !guide.empty());
+  text += draw_legend(plot, legend, !guide.empty());
   text +=
       text_at(0.5 * (kLeft + kRight), 24, "text-anchor=\"middle\" font-size=\"14\"", xml_text(plot.title));
   text += text_at(0.5 * (kLeft + kRight), 422, "text-anchor=\"middle\"", xml_text(plot.x_label));
@@ -321,10 +349,13 @@ std::string to_svg(const Plot& plot) {
 }
 
 Plot plot_over_time(const ConvergeSummary& summary) {
-  const std::string threads =
-      summary.threads == 1 ? "1 thread" : fmt::format("{:g} threads", summary.threads);
-  return plot_of(summary, "wall time per render [s], " + threads, &LevelSummary::wall_seconds,
+  return plot_of(summary, "wall time per render [s], " + threads_of(summary), &LevelSummary::wall_seconds,
                  &MethodSummary::seconds_to_target);
+}
+
+Plot plot_over_processor_time(const ConvergeSummary& summary) {
+  return plot_of(summary, "processor time per render [s], " + threads_of(summary), &LevelSummary::cpu_seconds,
+                 &MethodSummary::cpu_seconds_to_target);
 }
 
 Plot plot_over_samples(const ConvergeSummary& summary) {

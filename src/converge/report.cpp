@@ -100,7 +100,7 @@ std::string overview(const std::vector<ReportEntry>& entries) {
   std::string text =
       "<div class=\"wide\"><table><thead><tr><th class=\"l\">scene</th><th class=\"l\">method</th><th>time "
       "[s]</th>"
-      "<th>error, median</th><th>95th percentile</th><th>efficiency over path [95 %]</th>"
+      "<th>error, median</th><th>95th percentile</th><th>efficiency over base [95 %]</th>"
       "<th>by processor time</th><th>slope over time</th></tr></thead><tbody>\n";
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ReportEntry& entry = entries[i];
@@ -208,8 +208,8 @@ std::string level_table(const ConvergeSummary& summary) {
       "class=\"l\">method</th><th>budget<br>[1/pixel]</th><th>wall<br>[s]</th>"
       "<th>processors<br>[s]</th><th>samples<br>[1/pixel]</th><th>{}, median<br>[10 %, 90 %]</th><th>95th<br>"
       "percentile</th><th>mean<br>error</th><th>bias of the<br>mean [%]</th><th>efficiency<br>[1/s]</th>"
-      "<th>over<br>path</th></tr></thead><tbody>\n",
-      error_name(summary));
+      "<th>over<br>{}</th></tr></thead><tbody>\n",
+      error_name(summary), xml_text(summary.base));
   for (const MethodSummary& method : summary.methods) {
     for (std::size_t i = 0; i < method.levels.size(); ++i) {
       const LevelSummary& level = method.levels[i];
@@ -229,15 +229,16 @@ std::string level_table(const ConvergeSummary& summary) {
   }
   return text +
          "</tbody></table></div>\n<p class=\"quiet small\">Shaded: the level whose pictures are shown. "
-         "Efficiency is 1 / (median error &#215; median wall time); its ratio is to the path tracer at the "
+         "Efficiency is 1 / (median error &#215; median wall time); its ratio is to that of the base at the "
          "same time.</p>\n";
 }
 
 std::string method_table(const ConvergeSummary& summary) {
   const bool target = !std::isnan(summary.target);
-  std::string text =
+  std::string text = fmt::format(
       "<div class=\"wide\"><table><thead><tr><th class=\"l\">method</th><th>slope over time</th>"
-      "<th>slope over samples</th><th>efficiency over path</th><th>by processor time</th>";
+      "<th>slope over samples</th><th>efficiency over {}</th><th>by processor time</th>",
+      xml_text(summary.base));
   if (target) {
     const std::string shown = number(summary.target);
     text += fmt::format("<th>wall s to {}</th><th>processor s to {}</th><th>samples/pixel to {}</th>", shown,
@@ -259,7 +260,9 @@ std::string method_table(const ConvergeSummary& summary) {
   return text +
          "</tbody></table></div>\n<p class=\"quiet small\">Slopes are least squares of log error on log "
          "effort over all replicates, &#177; standard error; intervals are 95 % bootstrap intervals over "
-         "replicates.</p>\n";
+         "replicates. Efficiencies are compared with that of the base: the first path tracer, or else the "
+         "first "
+         "method.</p>\n";
 }
 
 }  // namespace

@@ -162,11 +162,18 @@ void add_slopes(const ConvergeRun& run, std::size_t method, Chosen all, MethodSu
   }
 }
 
-void add_efficiencies(const ConvergeRun& run, const std::vector<Curve>& curves, ConvergeSummary& summary) {
-  std::size_t base = curves.size();
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    if (run.methods[i].kind == IntegratorKind::path) base = i;
+/// The method that the others' efficiency is compared with: the first path tracer, else the first of all.
+std::size_t base_of(const ConvergeRun& run) {
+  for (std::size_t i = 0; i < run.methods.size(); ++i) {
+    if (run.methods[i].settings.integrator == IntegratorKind::path) return i;
   }
+  return 0;
+}
+
+void add_efficiencies(const ConvergeRun& run, const std::vector<Curve>& curves, ConvergeSummary& summary) {
+  const std::size_t base = base_of(run);
+  const Curve& other = curves[base];
+  summary.base = run.methods[base].name;
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const Curve& curve = curves[i];
     const std::vector<double> wall = curve.efficiencies(curve.wall);
@@ -176,12 +183,9 @@ void add_efficiencies(const ConvergeRun& run, const std::vector<Curve>& curves, 
       LevelSummary& result = method.levels[level];
       result.efficiency = wall[level];
       result.efficiency_cpu = cpu[level];
-      if (base == curves.size()) continue;
-      const Curve& path = curves[base];
-      result.ratio = ratio_at(curve.wall, wall, level, path.wall, path.efficiencies(path.wall));
-      result.ratio_cpu = ratio_at(curve.cpu, cpu, level, path.cpu, path.efficiencies(path.cpu));
+      result.ratio = ratio_at(curve.wall, wall, level, other.wall, other.efficiencies(other.wall));
+      result.ratio_cpu = ratio_at(curve.cpu, cpu, level, other.cpu, other.efficiencies(other.cpu));
     }
-    if (base == curves.size()) continue;
     method.ratio = bounded_ratio(run, i, base, &Curve::wall, method.levels.back().ratio);
     method.ratio_cpu = bounded_ratio(run, i, base, &Curve::cpu, method.levels.back().ratio_cpu);
   }

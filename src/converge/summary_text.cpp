@@ -1,6 +1,7 @@
 // A summary as JSON and back, as a table for the terminal, and the rows as CSV.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -160,10 +161,10 @@ void add_method_lines(const ConvergeSummary& summary, const MethodSummary& metho
   }
   if (!std::isnan(method.ratio.value)) {
     text += fmt::format(
-        "{}: efficiency against path at the last budget {:.3g} [{:.3g}, {:.3g}], by processor "
+        "{}: efficiency against {} at the last budget {:.3g} [{:.3g}, {:.3g}], by processor "
         "time {:.3g} [{:.3g}, {:.3g}]\n",
-        method.name, method.ratio.value, method.ratio.low, method.ratio.high, method.ratio_cpu.value,
-        method.ratio_cpu.low, method.ratio_cpu.high);
+        method.name, summary.base, method.ratio.value, method.ratio.low, method.ratio.high,
+        method.ratio_cpu.value, method.ratio_cpu.low, method.ratio_cpu.high);
   }
   if (std::isnan(summary.target)) return;
   text += fmt::format("{}: relMSE {:.3g} after {}, {}, {}\n", method.name, summary.target,
@@ -196,29 +197,32 @@ ConvergeSummary summary_from_json(const std::string& text, const std::string& pa
 
 std::string to_csv(const ConvergeRun& run, const std::string& scene) {
   std::string text =
-      "scene,integrator,level,budget,replicate,seed,samples,wall_seconds,cpu_seconds,rel_mse,rel_mse_raw,mse,"
+      "scene,method,level,budget,replicate,seed,samples,wall_seconds,cpu_seconds,rel_mse,rel_mse_raw,mse,"
       "mean,film_hash\n";
   for (const Measurement& row : run.rows) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_field(scene),
-                        run.methods[row.method].name, row.level, row.budget, row.replicate, row.seed,
-                        row.samples, row.wall_seconds, row.cpu_seconds, row.rel_mse, row.rel_mse_raw, row.mse,
-                        row.mean, row.film_hash);
+                        csv_field(run.methods[row.method].name), row.level, row.budget, row.replicate,
+                        row.seed, row.samples, row.wall_seconds, row.cpu_seconds, row.rel_mse,
+                        row.rel_mse_raw, row.mse, row.mean, row.film_hash);
   }
   return text;
 }
 
 std::string to_text(const ConvergeSummary& summary) {
+  std::size_t width = 10;
+  for (const MethodSummary& method : summary.methods) width = std::max(width, method.name.size());
+  width += 2;
   std::string text =
-      fmt::format("{:<12}{:>9}{:>11}{:>11}{:>11}{:>12}{:>12}{:>20}{:>9}\n", "integrator", "budget", "wall s",
-                  "cpu s", "samples/px", "relMSE 50%", "relMSE 95%", "bias %", "eff/path");
+      fmt::format("{:<{}}{:>9}{:>11}{:>11}{:>11}{:>12}{:>12}{:>20}{:>9}\n", "method", width, "budget",
+                  "wall s", "cpu s", "samples/px", "relMSE 50%", "relMSE 95%", "bias %", "eff/base");
   for (const MethodSummary& method : summary.methods) {
     for (const LevelSummary& level : method.levels) {
       const std::string bias = std::isnan(level.bias) ? "-"
                                                       : fmt::format("{:+.3f} +- {:.3f}", 100 * level.bias,
                                                                     100 * level.bias_standard_error);
       text +=
-          fmt::format("{:<12}{:>9}{:>11.4g}{:>11.4g}{:>11.4g}{:>12.4g}{:>12.4g}{:>20}{:>9}\n", method.name,
-                      level.budget, level.wall_seconds, level.cpu_seconds, level.samples_per_pixel,
+          fmt::format("{:<{}}{:>9}{:>11.4g}{:>11.4g}{:>11.4g}{:>12.4g}{:>12.4g}{:>20}{:>9}\n", method.name,
+                      width, level.budget, level.wall_seconds, level.cpu_seconds, level.samples_per_pixel,
                       level.rel_mse_median, level.rel_mse_p95, bias, shown(level.ratio, "{:.3g}"));
     }
   }

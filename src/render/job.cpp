@@ -111,6 +111,9 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   checker.check(request.large_step >= 0.0f && request.large_step <= 1.0f, "--large-step",
                 std::to_string(request.large_step), "0 to 1");
   job.large_step = request.large_step;
+  checker.check(request.step_size >= kMinStepSize && request.step_size <= kMaxStepSize, "--step-size",
+                std::to_string(request.step_size), "1/1024 to 16");
+  job.step_size = request.step_size;
   job.start = request.start;
   job.mutation = request.mutation;
   // Roulette that could only start behind the longest path would waste a primary sample a vertex.

@@ -54,6 +54,7 @@ void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
   settings.large_step = storage.job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
   settings.fill_steps = fill_steps_of(storage.job.mutation);
+  settings.step_size = storage.job.step_size;
   Chain<PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain, film);
   storage.chains[index] = chain.run(start);
   storage.done.fetch_add(settings.mutations, std::memory_order_relaxed);

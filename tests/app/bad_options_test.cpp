@@ -63,6 +63,8 @@ TEST_CASE("numbers out of range or not numbers are refused with option, found an
       {render({"--large-step", "1.01"}), {"--large-step: found '1.01'"}},
       {render({"--large-step", "-0.1"}), {"--large-step: found '-0.1'"}},
       {render({"--large-step", "0,5"}), {"--large-step: found '0,5'"}},
+      {render({"--step-size", "0"}), {"--step-size: found '0'; expected a number from 0.0009765625 to 16"}},
+      {render({"--step-size", "16.01"}), {"--step-size: found '16.01'"}},
       {render({"--exposure", "nan"}), {"--exposure: found 'nan'; expected a number from -64 to 64"}},
       {render({"--exposure", "1e999"}), {"--exposure: found '1e999'"}},
       {render({"--roulette", "0"}), {"--roulette: found '0'; expected 'off' or an integer from 1 to 256"}},

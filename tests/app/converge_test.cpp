@@ -61,14 +61,15 @@ TEST_CASE("converge measures against a reference and report makes a page of it")
   REQUIRE(result.code == code_of(ExitCode::kOk));
   const fs::path results = folder.path() / "results" / "room";
   CHECK(names_in(results) ==
-        "converge.csv path.difference.png path.error.png path.mean.png path.png pssmlt.difference.png "
-        "pssmlt.error.png pssmlt.mean.png pssmlt.png reference.png samples.svg summary.json time.svg");
+        "converge.csv path.difference.png path.error.png path.mean.png path.png processor_time.svg "
+        "pssmlt.difference.png pssmlt.error.png pssmlt.mean.png pssmlt.png reference.png samples.svg "
+        "summary.json time.svg");
   CHECK_THAT(result.out, Catch::Contains("path: slope over time") && Catch::Contains("relMSE 0.05 after"));
   CHECK_THAT(result.error, Catch::Contains("replicate 4 of 4 done") && Catch::Contains("ref.variance.pfm"));
 
   const auto rows = read_csv((results / "converge.csv").string());
   REQUIRE(rows.size() == 1 + 2 * 3 * 4);
-  CHECK(rows[0][1] == "integrator");
+  CHECK(rows[0][1] == "method");
   for (const auto& row : rows) CHECK(row.size() == 14);
   // The last row can be rendered again from what it says.
   const std::vector<std::string>& last = rows.back();
@@ -114,7 +115,38 @@ TEST_CASE("converge tells of options that none of its methods looks at") {
   const ProgramResult result =
       folder.run(converge({"--integrators", "path", "--budgets", "2", "--replicates", "2", "-q", "-o", "."}));
   CHECK(result.code == code_of(ExitCode::kOk));
-  CHECK_THAT(result.error, Catch::Contains("--chains: has no effect without pssmlt among --integrators"));
+  CHECK_THAT(result.error, Catch::Contains("--chains: has no effect on any of the methods"));
+}
+
+TEST_CASE("methods of one integrator stand side by side under their settings") {
+  const SceneFolder folder;
+  const ProgramResult result = folder.run(
+      converge({"--method", "pssmlt  --step-size=4 --chains 3", "--method", "path --roulette off", "--method",
+                "path --start first-hit", "--budgets", "2", "--replicates", "2", "-q", "-o", "results"}));
+  CAPTURE(result.error);
+  REQUIRE(result.code == code_of(ExitCode::kOk));
+  CHECK_THAT(
+      result.error,
+      Catch::Contains("--method 'path --start first-hit': --start: has no effect with --integrator path"));
+  const std::string name = "pssmlt --chains 3 --step-size 4";
+  CHECK_THAT(result.out, Catch::Contains(name + ": efficiency against path --roulette off"));
+  const auto rows = read_csv(folder / "results/converge.csv");
+  REQUIRE(rows.size() == 1 + 3 * 2);
+  CHECK(rows[1][1] == name);
+  // The settings of the whole command hold where the method has none of its own.
+  const ProgramResult again =
+      folder.run({"render", "scene.txt", "--spp", "2", "--seed", rows[1][5], "--chains", "3", "--step-size",
+                  "4", "--bootstrap", "64", "-o", "again.pfm", "--stats", "again.json"});
+  REQUIRE(again.code == 0);
+  CHECK_THAT(read_text(folder / "again.json"), Catch::Contains(rows[1][13]));
+  const std::string json = read_text(folder / "results/summary.json");
+  CHECK_THAT(json,
+             Catch::Contains("--method 'pssmlt --chains 3 --step-size 4' --method 'path --roulette off'") &&
+                 Catch::Contains("\"method\": \"" + name + "\"") &&
+                 Catch::Contains("\"efficiency_base\": \"path --roulette off\""));
+  CHECK(fs::exists(folder.path() / "results" / "pssmlt_--chains_3_--step-size_4.png"));
+  REQUIRE(folder.run({"report", "results"}).code == 0);
+  CHECK_THAT(read_text(folder / "results/report.html"), Catch::Contains(name));
 }
 
 TEST_CASE("converge chooses budgets for times") {
@@ -140,7 +172,19 @@ TEST_CASE("what converge cannot do is refused with the option's name, and leaves
       {{"-o", "out", "--integrators", "path,psmlt"}, "--integrators: found 'psmlt'"},
       {{"-o", "out", "--integrators", "psmlt"}, "did you mean 'pssmlt'"},
       {{"-o", "out", "--integrators", ""}, "--integrators: found ''"},
-      {{"-o", "out", "--integrators", "path,path"}, "each name once"},
+      {{"-o", "out", "--integrators", "path,path"}, "each method once"},
+      {{"-o", "out", "--method", "psmlt"}, "--method: found 'psmlt', did you mean 'pssmlt'"},
+      {{"-o", "out", "--method", " "}, "--method: found ''"},
+      {{"-o", "out", "--method", "path path"}, "--method: found 'path'; expected settings"},
+      {{"-o", "out", "--method", "pssmlt --large-step 2"},
+       "--method 'pssmlt --large-step 2': --large-step: found '2'; expected a number from 0 to 1"},
+      {{"-o", "out", "--method", "pssmlt --larg-step 1"},
+       "--larg-step: unknown option, did you mean '--large-step'"},
+      {{"-o", "out", "--method", "pssmlt --chains"}, "--chains: found no value; expected --chains N"},
+      {{"-o", "out", "--method", "path --depth 4"}, "--depth: unknown option"},
+      {{"-o", "out", "--method", "path --roulette=4", "--method", "path  --roulette 4"}, "each method once"},
+      {{"-o", "out", "--method", "path", "--integrators", "path"},
+       "--method: found together with --integrators"},
       {{"-o", "out", "--budgets", "0,1"}, "--budgets: found '0'; expected an integer from 1"},
       {{"-o", "out", "--budgets", "-4"}, "--budgets: found '-4'"},
       {{"-o", "out", "--budgets", "4,2"}, "--budgets: found '4,2'; expected numbers that increase"},

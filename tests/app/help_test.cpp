@@ -49,7 +49,8 @@ TEST_CASE("the issue's options all exist") {
        {"-o, --output FILE", "--integrator NAME", "--spp N",       "--mutations N",   "--width N",
         "--height N",        "--depth N",         "--threads N",   "--seed N",        "--chains N",
         "--bootstrap N",     "--large-step P",    "--start NAME",  "--mutation NAME", "--roulette N|off",
-        "--isa NAME",        "--memory SIZE",     "--exposure EV", "--quiet",         "--stats FILE"}) {
+        "--step-size X",     "--isa NAME",        "--memory SIZE", "--exposure EV",   "--quiet",
+        "--stats FILE"}) {
     CHECK_THAT(help, Catch::Contains(std::string("  ") + name) || Catch::Contains(std::string(", ") + name));
   }
 }

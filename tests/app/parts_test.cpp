@@ -121,9 +121,9 @@ TEST_CASE("options reach the request") {
                           "12",       "--threads",   "13",        "--chains",
                           "14",       "--bootstrap", "15",        "--large-step",
                           "0.25",     "--start",     "first-hit", "--mutation",
-                          "gaussian", "--roulette",  "off",       "--memory",
-                          "16M",      "--exposure",  "-1.5",      "-q",
-                          "--stats",  "s.json"});
+                          "gaussian", "--step-size", "0.5",       "--roulette",
+                          "off",      "--memory",    "16M",       "--exposure",
+                          "-1.5",     "-q",          "--stats",   "s.json"});
   CHECK(command.scene == "s.txt");
   CHECK(command.outputs == std::vector<std::string>{"a.png", "b.pfm"});
   CHECK(command.stats == std::string("s.json"));
@@ -142,9 +142,10 @@ TEST_CASE("options reach the request") {
   CHECK(request.large_step == 0.25f);
   CHECK(request.start == StartKind::first_hit);
   CHECK(request.mutation == MutationKind::gaussian);
+  CHECK(request.step_size == 0.5f);
   CHECK(request.roulette == 0);
   CHECK(request.memory_limit == std::size_t{16} << 20);
-  CHECK(command.warnings.size() == 5);
+  CHECK(command.warnings.size() == 6);
 }
 
 TEST_CASE("what is not given stays open for the job to decide") {
@@ -177,12 +178,14 @@ TEST_CASE("the canonical command parses back to the job it was made from") {
   job.large_step = 0.1f;
   job.start = StartKind::first_hit;
   job.mutation = MutationKind::gaussian;
+  job.step_size = 0.3f;
   job.roulette = 0;
   const std::string command = canonical_command("-a'b.txt", job, 0, 1);
   CHECK(
       command ==
       "mlt render './-a'\\''b.txt' --integrator pssmlt --mutations 5 --width 3 --height 4 --depth 6 --seed 8 "
-      "--chains 9 --bootstrap 10 --large-step 0.1 --start first-hit --mutation gaussian --roulette off");
+      "--chains 9 --bootstrap 10 --large-step 0.1 --start first-hit --mutation gaussian --step-size 0.3 "
+      "--roulette off");
   job.integrator = IntegratorKind::path;
   job.roulette = 5;
   CHECK(canonical_command("s", job, 0.5f, 1) ==

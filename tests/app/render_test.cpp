@@ -78,6 +78,7 @@ TEST_CASE("the statistics hold every promised key, and their command gives the s
                           "partial",
                           "seed",
                           "chains",
+                          "step_size",
                           "depth",
                           "width",
                           "height",

@@ -74,7 +74,7 @@ double mutation_nanoseconds() {
   std::vector<SavedSample> saved(kSamples);
   PrimarySampleVector vector(
       samples, saved, Rng(1, StreamPurpose::kTest, 0),
-      StepSource(BlockRng(1, StreamPurpose::kTest, 1), &Mutation<MutationKind::kelemen>::fill<BlockRng>));
+      StepSource(BlockRng(1, StreamPurpose::kTest, 1), &Mutation<MutationKind::kelemen>::fill<BlockRng>, 1));
   std::uint32_t sum = 0;
   const double begin = seconds_now();
   for (int step = 0; step < kSteps; ++step) {

@@ -23,12 +23,14 @@ constexpr char kRoom[] =
 
 ConvergePlan small_plan() {
   ConvergePlan plan;
-  plan.methods = {{IntegratorKind::path, "path", {1, 4}}, {IntegratorKind::pssmlt, "pssmlt", {2, 3}}};
+  MethodRequest path, chains;
+  path.integrator = IntegratorKind::path;
+  chains.bootstrap = 64;
+  chains.chains = 2;
+  plan.methods = {{path, "path", {1, 4}}, {chains, "pssmlt", {2, 3}}};
   plan.replicates = 3;
   plan.request.seed = 50;
   plan.request.threads = 1;
-  plan.request.bootstrap = 64;
-  plan.request.chains = 2;
   return plan;
 }
 
@@ -54,6 +56,8 @@ TEST_CASE("every row is the render that its seed and budget name") {
   CHECK((row.budget == 3 && row.replicate == 2 && row.level == 1 && row.method == 1));
   RenderRequest request = plan.request;
   request.integrator = IntegratorKind::pssmlt;
+  request.bootstrap = 64;
+  request.chains = 2;
   request.samples_per_pixel = row.budget;
   request.seed = row.seed;
   Renderer renderer(scene, resolve_job(request, scene));
@@ -62,6 +66,22 @@ TEST_CASE("every row is the render that its seed and budget name") {
   CHECK(row.samples == 64 + 8 * 6 * 3);
   score(run, nullptr);
   CHECK(run.row(0, 1, 0).rel_mse > 0);
+}
+
+TEST_CASE("methods of one integrator differ in their settings, and share all else") {
+  const SceneDescription scene = parse_scene_text(kRoom, "test");
+  const std::atomic<bool> stop = false;
+  ConvergePlan plan = small_plan();
+  plan.methods[0] = plan.methods[1];
+  plan.methods[0].name = "pssmlt --step-size 2";
+  plan.methods[0].settings.step_size = 2;
+  plan.request.width = 5;
+  const ConvergeRun run = measure(scene, plan, stop, nullptr);
+  CHECK(run.width == 5);
+  for (std::size_t level = 0; level < 2; ++level) {
+    CHECK(run.row(0, level, 0).samples == run.row(1, level, 0).samples);
+    CHECK(run.row(0, level, 0).film_hash != run.row(1, level, 0).film_hash);
+  }
 }
 
 TEST_CASE("a stop keeps complete replicates alone") {
@@ -148,7 +168,7 @@ TEST_CASE("with its variance beside it a noisy reference measures what a clean o
       ImageBuffer{kSide, kSide, std::vector<Vec3>(kSide * kSide, Vec3{variance, variance, variance})}.view());
   const Reference reference = read_reference(folder / "r.pfm");
   ConvergeRun run;
-  run.methods = {{IntegratorKind::path, "path", {1}}};
+  run.methods = {{{}, "pssmlt", {1}}};
   run.level_count = run.replicates = 1;
   run.width = run.height = kSide;
   run.rows.resize(1);

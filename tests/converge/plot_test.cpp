@@ -36,6 +36,10 @@ TEST_CASE("plots are well-formed and name axes, units, methods and the target") 
   }
   ConvergeSummary summary = example(kUnknown);
   summary.reference = "r.pfm";
+  const std::string processors = to_svg(plot_over_processor_time(summary));
+  require_well_formed(processors);
+  CHECK_THAT(processors, Catch::Contains("processor time per render [s], 1 thread"));
+  CHECK(processors != time);
   const std::string samples = to_svg(plot_over_samples(summary));
   require_well_formed(samples);
   CHECK_THAT(samples, Catch::Contains("samples per pixel") && Catch::Contains("relMSE"));
@@ -56,6 +60,26 @@ TEST_CASE("points stand where their logarithms say") {
   const std::string text = to_svg(plot);
   CHECK_THAT(text, Catch::Contains("<circle cx=\"349.00\" cy=\"208.00\""));
   CHECK_THAT(text, Catch::Contains(fmt::format("<circle cx=\"{:.2f}\"", 76 + 546 * 0.1 / 2.2)));
+}
+
+TEST_CASE("legends that the frame cannot hold stand below it, and no name leaves the picture") {
+  const auto svg_with = [](const std::vector<std::string>& names) {
+    Plot plot;
+    for (const std::string& name : names)
+      plot.series.push_back({name, {{1, 1, 1, 1}, {10, 0.1, 0.1, 0.1}}, {}});
+    const std::string text = to_svg(plot);
+    require_well_formed(text);
+    return text;
+  };
+  CHECK_THAT(svg_with({"path", "pssmlt"}), Catch::Contains("viewBox=\"0 0 640 440\""));
+  // Six names and the guide are 7 lines of 20 pixels, with 5 above, 5 below, and 10 to the picture's end.
+  CHECK_THAT(svg_with({"a", "b", "c", "d", "e", "f"}), Catch::Contains("viewBox=\"0 0 640 600\""));
+  CHECK_THAT(svg_with({std::string(40, 'x')}),
+             Catch::Contains("viewBox=\"0 0 640 500\"") && !Catch::Contains("font-size=\"12"));
+  // 494 pixels for 200 letters of 7.4 pixels.
+  const double scale = (640 - 76 - 8 - 62) / (7.4 * 200);
+  CHECK_THAT(svg_with({std::string(200, 'x')}),
+             Catch::Contains(fmt::format("font-size=\"{:.2f}\">xxx", 13 * scale)));
 }
 
 TEST_CASE("plots take what has no logarithm, and nothing at all") {

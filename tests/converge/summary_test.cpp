@@ -71,6 +71,22 @@ TEST_CASE("the path tracer's efficiency is taken at the method's time") {
   CHECK(levels[5].ratio == Approx(own / (100 / std::sqrt(32.0))).epsilon(1e-9));
 }
 
+TEST_CASE("efficiencies are compared with the first path tracer, or else the first method") {
+  const Law slow{IntegratorKind::pssmlt, "pssmlt --chains 4", 0.4, -1, 0.04};
+  const Law fast{IntegratorKind::pssmlt, "pssmlt", 0.4, -1, 0.01};
+  const Law path{IntegratorKind::path, "path", 0.4, -1, 0.02};
+  const Law second{IntegratorKind::path, "path --roulette 2", 0.4, -1, 0.01};
+  const ConvergeSummary chains = summarise(synthetic_run({slow, fast}, 3, 3, 0), nullptr, kUnknown);
+  CHECK(chains.base == "pssmlt --chains 4");
+  CHECK(chains.methods[0].ratio.value == 1);
+  CHECK(chains.methods[1].ratio.value == Approx(4).epsilon(1e-9));
+  CHECK_THAT(to_text(chains), Catch::Contains("pssmlt: efficiency against pssmlt --chains 4 at the last"));
+  const ConvergeSummary all = summarise(synthetic_run({slow, path, second}, 3, 3, 0), nullptr, kUnknown);
+  CHECK(all.base == "path");
+  CHECK(all.methods[0].ratio.value == Approx(0.5).epsilon(1e-9));
+  CHECK(all.methods[2].ratio.value == Approx(2).epsilon(1e-9));
+}
+
 TEST_CASE("targets out of reach are told from those met at once") {
   const ConvergeRun run = synthetic_run({kPath}, 4, 3, 0.1);
   const Bounded never = summarise(run, nullptr, 1e-3).methods[0].seconds_to_target;
@@ -185,7 +201,7 @@ TEST_CASE("the CSV has one row a replicate and quotes what RFC 4180 says") {
   std::string line;
   REQUIRE(std::getline(lines, line));
   CHECK(line ==
-        "scene,integrator,level,budget,replicate,seed,samples,wall_seconds,cpu_seconds,rel_mse,rel_mse_raw,"
+        "scene,method,level,budget,replicate,seed,samples,wall_seconds,cpu_seconds,rel_mse,rel_mse_raw,"
         "mse,mean,film_hash");
   std::size_t count = 0;
   while (std::getline(lines, line)) {

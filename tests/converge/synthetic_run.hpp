@@ -27,7 +27,10 @@ inline ConvergeRun synthetic_run(const std::vector<Law>& laws, std::size_t level
   run.depth = 3;
   run.threads = 1;
   for (const Law& law : laws) {
-    run.methods.push_back({law.kind, law.name, {}});
+    ConvergeMethod method;
+    method.settings.integrator = law.kind;
+    method.name = law.name;
+    run.methods.push_back(method);
     for (std::size_t level = 0; level < levels; ++level) run.methods.back().budgets.push_back(1ULL << level);
   }
   for (std::uint32_t replicate = 0; replicate < replicates; ++replicate) {

@@ -57,6 +57,30 @@ TEST_CASE("pitfall 2: extreme draws give finite small steps") {
   });
 }
 
+TEST_CASE("a step's length is in proportion to the step size, and wraps where it is longest") {
+  for_each_mutation([&]<MutationKind kKind>(const char* name) {
+    for (const float factor : {kMinStepSize, 0.3f, 1.0f, 3.0f, kMaxStepSize}) {
+      INFO(name << ", " << factor);
+      const BlockRng rng(6, StreamPurpose::kTest, 0);
+      Steps<kKind> unit(rng), scaled(rng, factor);
+      double most = 0;
+      for (int i = 0; i < 100000; ++i) {
+        const double expected = factor * signed_distance(unit.next());
+        const double found = signed_distance(scaled.next());
+        // Lengths beyond half the circle are those of the other way round.
+        const double wrapped = expected - std::floor(expected + 0.5);
+        // Both are cut to units of 2^-32, and the floats before that have 24 bits.
+        REQUIRE(std::fabs(found - wrapped) <= (1 + factor) * 0x1p-32 + std::fabs(expected) * 0x1p-22);
+        most = std::max(most, std::fabs(expected));
+      }
+      CHECK(most > factor / 65);
+    }
+    // The longest steps are those of the draw 0; none may be lost to the range of an integer.
+    Steps<kKind, ScriptedGenerator> longest(ScriptedGenerator{{0}}, kMaxStepSize);
+    CHECK(std::fabs(signed_distance(longest.next())) > 0.2);
+  });
+}
+
 TEST_CASE("steps forwards and backwards are equally likely at every length") {
   const double threshold = sidak_threshold(kSignificance, 4);
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
@@ -111,7 +135,7 @@ float largest_sample(std::uint64_t mutations) {
   std::array<SavedSample, 2> saved;
   PrimarySampleVector vector(
       samples, saved, Rng(3, StreamPurpose::kTest, 0),
-      StepSource(BlockRng(3, StreamPurpose::kTest, 1), &Mutation<kKind>::template fill<BlockRng>));
+      StepSource(BlockRng(3, StreamPurpose::kTest, 1), &Mutation<kKind>::template fill<BlockRng>, 1));
   float largest = 0;
   float smallest = 1;
   for (std::uint64_t i = 0; i < mutations / 2; ++i) {

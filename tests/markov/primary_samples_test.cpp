@@ -23,7 +23,7 @@ constexpr std::size_t kCells = 64;
 /// Steps of one unit.
 struct UnitMutation {
   template <class Generator>
-  static void fill(Generator&, std::uint32_t* steps) {
+  static void fill(Generator&, std::uint32_t* steps, float) {
     for (int i = 0; i < kBlockDraws; ++i) steps[i] = 1;
   }
 };
@@ -32,7 +32,7 @@ struct UnitMutation {
 struct CountingMutation {
   static inline std::uint32_t steps = 0;
   template <class Generator>
-  static void fill(Generator&, std::uint32_t* block) {
+  static void fill(Generator&, std::uint32_t* block, float) {
     for (int i = 0; i < kBlockDraws; ++i) block[i] = ++steps;
   }
 };
@@ -45,7 +45,7 @@ struct Fixture {
 
   explicit Fixture(std::uint64_t stream, std::uint64_t first_time = 1)
       : vector(samples, saved, Rng(19, StreamPurpose::kTest, stream),
-               StepSource(BlockRng(23, StreamPurpose::kTest, stream), &Mutation::template fill<BlockRng>),
+               StepSource(BlockRng(23, StreamPurpose::kTest, stream), &Mutation::template fill<BlockRng>, 1),
                first_time) {
     vector.begin_initial(Rng(20, StreamPurpose::kTest, stream));
   }

@@ -19,6 +19,7 @@ struct ToyJob {
   std::uint64_t chains = 32;
   std::uint64_t mutations = 64;  ///< of each chain
   float large_step = 0.3f;
+  float step_size = 1;
   float weight_b = 0;  ///< the frozen b of the weights; 0: what the bootstrap finds
   std::uint64_t first_time = 1;
 };
@@ -66,6 +67,7 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
   settings.large_step = job.large_step;
   settings.weight_b = weight_b;
   settings.fill_steps = &Mutation::template fill<BlockRng>;
+  settings.step_size = job.step_size;
   settings.first_time = job.first_time;
   const ChainWorkspace workspace{samples, saved, current, proposed};
   Chain<Integrator, Film> chain(integrator, settings, workspace, film);

@@ -85,6 +85,8 @@ void set_option(Options& options, std::string_view name, std::string_view value)
     request.film_memory = number<std::size_t>(name, value);
   } else if (name == "large_step") {
     request.large_step = number<float>(name, value);
+  } else if (name == "step_size") {
+    request.step_size = number<float>(name, value);
   } else if (name == "statistics") {
     options.statistics = number<int>(name, value) != 0;
   } else {
