@@ -293,7 +293,7 @@ fuzz: deps-extra
 
 FORMATTED := $(wildcard include/*/*.hpp src/*/*.hpp src/*/*.cpp tests/*/*.hpp tests/*/*.cpp scenes/*.cpp)
 format-check: deps-extra
-	clang-format --dry-run -Werror $(FORMATTED)
+	$(Q)clang-format --dry-run -Werror $(FORMATTED)
 
 tidy: deps-extra
 	clang-tidy --quiet $(wildcard src/*/*.cpp) -- $(CONTRACT) -Iinclude
