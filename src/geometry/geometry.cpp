@@ -162,19 +162,18 @@ constexpr std::uint64_t leaf_blocks(std::uint64_t count) {
 /// The primitives that have an area, at the end of the leaves' storage.
 template <class Block, class Shapes>
 std::span<BvhReference> place_references(const KindBuild<Block, Shapes>& build) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < build.shapes.size(); ++i) count += has_area(build.shapes[i]) ? 1 : 0;
   const std::span<std::byte> storage = std::as_writable_bytes(build.blocks);
-  std::byte* const begin = storage.data() + storage.size() - count * sizeof(BvhReference);
-  auto* const references = reinterpret_cast<BvhReference*>(begin);
-  std::size_t placed = 0;
+  auto* const end = reinterpret_cast<BvhReference*>(storage.data() + storage.size());
+  BvhReference* const begin = end - build.shapes.size();
+  BvhReference* next = begin;
   for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
-    if (!has_area(build.shapes[i])) continue;
-    const Bounds b = bounds_of(build.shapes[i]);
-    ::new (references + placed++)
-        BvhReference{{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
+    const auto shape = build.shapes[i];
+    if (!has_area(shape)) continue;
+    const Bounds b = bounds_of(shape);
+    ::new (next++) BvhReference{{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
   }
-  return {references, count};
+  if (next == end) return {begin, end};
+  return {std::move_backward(begin, next, end), end};
 }
 
 template <class Block, class Shapes>
