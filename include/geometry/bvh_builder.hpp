@@ -40,7 +40,9 @@ constexpr std::uint64_t max_bvh_nodes(std::uint64_t count) {
   return half + half / (kNodeWidth - 1) + 1;
 }
 
-/// Receives leaf `block` with the primitives of `references` (1 to kLeafSize).
+/// Receives leaf `block` with the primitives of `references` (1 to kLeafSize). Blocks are numbered in the
+/// order of the calls, and each call has the references that follow those of the call before: behind the last
+/// it may overwrite them.
 struct LeafWriter {
   void (*write)(void* context, std::uint32_t block, std::span<const BvhReference> references) = nullptr;
   void* context = nullptr;

@@ -35,18 +35,17 @@ struct FlatLimits {
 
 struct GeometryInput {
   std::span<const Quad> quads;
-  std::span<const Triangle> triangles;
+  TriangleList triangles;
   std::span<const Sphere> spheres;
 };
 
-/// Plan lines of one kind of primitive. A flat list has no nodes and no references.
+/// Plan lines of one kind of primitive. A flat list has no nodes.
 template <class Block>
 struct KindSlots {
   std::uint32_t count = 0;
   bool flat = true;
   Slot<Block> blocks;
   Slot<BvhNode> nodes;
-  Slot<BvhReference> references;
 };
 
 struct GeometrySlots {
@@ -65,7 +64,7 @@ struct PrimitiveList {
 
 class Geometry {
  public:
-  /// Adds upper bounds of all blocks; about 77 bytes per triangle in a hierarchy, and 32 of scratch. Throws
+  /// Adds upper bounds of all blocks; about 77 bytes per triangle in a hierarchy. Throws
   /// ResourceError when a kind has more than kMaxBvhPrimitives.
   static GeometrySlots plan(MemoryPlan& plan, const GeometryCounts& counts, const FlatLimits& limits = {});
 

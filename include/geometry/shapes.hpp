@@ -1,6 +1,10 @@
 // Shapes in world space, as the geometry and the lights take them.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 #include "math/vec.hpp"
 
 namespace mlt {
@@ -13,6 +17,23 @@ struct Quad {
 /// Counter-clockwise seen from the front.
 struct Triangle {
   Vec3 a{0, 0, 0}, b{0, 0, 0}, c{0, 0, 0};
+};
+
+/// Indices of a triangle's corners in a list of vertices.
+struct TriangleCorners {
+  std::uint32_t a = 0, b = 0, c = 0;
+};
+
+/// Triangles that share vertices, as meshes do: about two for each vertex, half the size of a list of
+/// Triangle.
+struct TriangleList {
+  std::span<const Vec3> vertices;
+  std::span<const TriangleCorners> corners;
+
+  std::size_t size() const { return corners.size(); }
+  Triangle operator[](std::size_t i) const {
+    return {vertices[corners[i].a], vertices[corners[i].b], vertices[corners[i].c]};
+  }
 };
 
 /// The front is the outside.

@@ -65,6 +65,7 @@ struct World {
 /// What the scene contains, known before anything is compiled; fixes memory and features.
 struct WorldCounts {
   GeometryCounts geometry;
+  std::uint32_t triangle_vertices = 0;
   std::uint32_t materials = 0;
   std::uint32_t lights = 0;          ///< emitting primitives
   std::uint32_t used_kinds[8] = {};  ///< primitives per MaterialKind, indexed by the enum
@@ -74,7 +75,8 @@ struct WorldCounts {
 struct WorldSlots {
   GeometrySlots geometry;
   Slot<Quad> quads;
-  Slot<Triangle> triangles;
+  Slot<Vec3> vertices;
+  Slot<TriangleCorners> triangles;
   Slot<Sphere> spheres;
   Slot<Material> materials;
   Slot<PrimitiveRecord> primitives;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 
 #include "base/assert.hpp"
 
@@ -257,7 +258,7 @@ Pair split_small(std::span<BvhReference> all, const Range& range) {
   return split_at(all, range, range.begin + best.left_count);
 }
 
-/// A range that waits for its node, and where that node's index belongs.
+/// A range that waits for its node or leaf, and where the index of that belongs.
 struct Task {
   Range range;
   std::uint32_t parent = 0;
@@ -275,8 +276,10 @@ class Builder {
     tasks_[task_count_++].range = measured(references_, 0, count);
     while (task_count_ > 0) {
       const Task task = tasks_[--task_count_];
-      const std::uint32_t node = make_node(task);
-      if (node != 0) nodes_[task.parent].children[task.lane] = node;
+      const bool is_root = task.level == 0;
+      const std::uint32_t child =
+          is_root || task.range.count() > kLeafSize ? make_node(task) : write_leaf(task.range);
+      if (!is_root) nodes_[task.parent].children[task.lane] = child;
     }
     return size_;
   }
@@ -329,20 +332,21 @@ class Builder {
         node.planes[axis][1][lane] = box.high[axis];
       }
       node.children[lane] = kLeafBit;
-      if (lane < count) place_child(node, index, lane, task.level, children[lane]);
+    }
+    // The child whose references come first is taken up first, so that leaves use them up in their order.
+    int order[kNodeWidth];
+    std::iota(order, order + count, 0);
+    std::sort(order, order + count, [&](int a, int b) { return children[a].begin > children[b].begin; });
+    MLT_CHECK_OP(task_count_ + count, <=, kTraversalStack);
+    for (int i = 0; i < count; ++i) {
+      tasks_[task_count_++] = {children[order[i]], index, order[i], task.level + 1};
     }
     return index;
   }
 
-  void place_child(BvhNode& node, std::uint32_t index, int lane, int level, const Range& range) {
-    if (range.count() <= kLeafSize) {
-      node.children[lane] = kLeafBit | size_.blocks;
-      leaves_.write(leaves_.context, size_.blocks, references_.subspan(range.begin, range.count()));
-      size_.blocks += 1;
-      return;
-    }
-    MLT_CHECK_OP(task_count_, <, kTraversalStack);
-    tasks_[task_count_++] = {range, index, lane, level + 1};
+  std::uint32_t write_leaf(const Range& range) {
+    leaves_.write(leaves_.context, size_.blocks, references_.subspan(range.begin, range.count()));
+    return kLeafBit | size_.blocks++;
   }
 
   std::span<BvhReference> references_;

@@ -1,8 +1,11 @@
 #include "geometry/geometry.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <new>
 #include <string>
 
 #include "base/error.hpp"
@@ -106,12 +109,12 @@ void clear_lane(SphereBlock& block, int lane) {
 /// Quads, and triangles as quads after them.
 struct PolygonList {
   std::span<const Quad> quads;
-  std::span<const Triangle> triangles;
+  TriangleList triangles;
 
   std::size_t size() const { return quads.size() + triangles.size(); }
   Quad operator[](std::size_t i) const {
     if (i < quads.size()) return quads[i];
-    const Triangle& t = triangles[i - quads.size()];
+    const Triangle t = triangles[i - quads.size()];
     return Quad{t.a, t.b, t.c, t.a};
   }
 };
@@ -123,26 +126,63 @@ struct KindBuild {
   Shapes shapes;
   std::uint32_t first;
 
-  void write_block(std::uint32_t index, std::span<const BvhReference> references) {
+  void write_block(std::uint32_t index, std::span<const std::uint32_t> lanes) {
     MLT_CHECK_OP(index, <, blocks.size());
     for (int lane = 0; lane < kLanes; ++lane) {
-      if (static_cast<std::size_t>(lane) >= references.size()) {
+      if (static_cast<std::size_t>(lane) >= lanes.size()) {
         clear_lane(blocks[index], lane);
         continue;
       }
-      const std::uint32_t shape = references[static_cast<std::size_t>(lane)].index;
+      const std::uint32_t shape = lanes[static_cast<std::size_t>(lane)];
       set_lane(blocks[index], lane, shapes[shape], first + shape);
     }
   }
+
+  void write_leaf(std::uint32_t index, std::span<const BvhReference> references) {
+    std::uint32_t lanes[kLanes] = {};
+    for (std::size_t i = 0; i < references.size(); ++i) lanes[i] = references[i].index;
+    // The block may lie over these references: a compiler must not read them after it has begun to write.
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    write_block(index, {lanes, references.size()});
+  }
 };
+
+/// Blocks that a hierarchy of `count` primitives needs while it is built, when the references stand at the
+/// end of the leaves' storage and leaves are written from its start over references that are used up. With L
+/// leaves at most, after some leaves r references are left, which need r / kLanes further leaves or more: so
+/// L - r / kLanes leaves at most are written, which do not reach the references as long as a lane is as large
+/// as a reference. Where it is smaller, as a sphere's is, there is room for the difference.
+template <class Block>
+constexpr std::uint64_t leaf_blocks(std::uint64_t count) {
+  constexpr std::uint64_t kLane = sizeof(Block) / kLanes;
+  constexpr std::uint64_t kMissing = kLane < sizeof(BvhReference) ? sizeof(BvhReference) - kLane : 0;
+  return max_bvh_leaves(count) + (count * kMissing + sizeof(Block) - 1) / sizeof(Block);
+}
+
+/// The primitives that have an area, at the end of the leaves' storage.
+template <class Block, class Shapes>
+std::span<BvhReference> place_references(const KindBuild<Block, Shapes>& build) {
+  const std::span<std::byte> storage = std::as_writable_bytes(build.blocks);
+  auto* const end = reinterpret_cast<BvhReference*>(storage.data() + storage.size());
+  BvhReference* const begin = end - build.shapes.size();
+  BvhReference* next = begin;
+  for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
+    const auto shape = build.shapes[i];
+    if (!has_area(shape)) continue;
+    const Bounds b = bounds_of(shape);
+    ::new (next++) BvhReference{{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
+  }
+  if (next == end) return {begin, end};
+  return {std::move_backward(begin, next, end), end};
+}
 
 template <class Block, class Shapes>
 PrimitiveList<Block> build_flat(KindBuild<Block, Shapes> build) {
   std::uint32_t count = 0;
-  BvhReference block[kLanes];
+  std::uint32_t block[kLanes];
   std::uint32_t filled = 0;
   for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
-    if (has_area(build.shapes[i])) block[filled++].index = i;
+    if (has_area(build.shapes[i])) block[filled++] = i;
     if (filled == kLanes || (i + 1 == build.shapes.size() && filled > 0)) {
       build.write_block(count++, {block, filled});
       filled = 0;
@@ -152,18 +192,11 @@ PrimitiveList<Block> build_flat(KindBuild<Block, Shapes> build) {
 }
 
 template <class Block, class Shapes>
-PrimitiveList<Block> build_tree(KindBuild<Block, Shapes> build, std::span<BvhReference> references,
-                                std::span<BvhNode> nodes) {
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
-    if (!has_area(build.shapes[i])) continue;
-    const Bounds b = bounds_of(build.shapes[i]);
-    references[count++] = {{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
-  }
+PrimitiveList<Block> build_tree(KindBuild<Block, Shapes> build, std::span<BvhNode> nodes) {
   const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
-    static_cast<KindBuild<Block, Shapes>*>(context)->write_block(block, leaf);
+    static_cast<KindBuild<Block, Shapes>*>(context)->write_leaf(block, leaf);
   };
-  const BvhSize size = build_bvh(references.first(count), nodes, LeafWriter{write, &build});
+  const BvhSize size = build_bvh(place_references(build), nodes, LeafWriter{write, &build});
   return {build.blocks.data(), size.blocks, nodes.data()};
 }
 
@@ -179,7 +212,7 @@ PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, con
   if (slots.count == 0) return {};
   const KindBuild<Block, Shapes> build{arena.take(slots.blocks), shapes, first};
   if (slots.flat) return build_flat(build);
-  return build_tree(build, arena.take(slots.references), arena.take(slots.nodes));
+  return build_tree(build, arena.take(slots.nodes));
 }
 
 bool has_many_polygons(const GeometryCounts& counts, const FlatLimits& limits) {
@@ -201,9 +234,8 @@ KindSlots<Block> plan_kind(MemoryPlan& plan, const std::string& name, std::uint3
     slots.blocks = plan.add<Block>(name + ", flat list", Lifetime::kScene, (count + kLanes - 1) / kLanes);
     return slots;
   }
-  slots.blocks = plan.add<Block>(name + ", leaves", Lifetime::kScene, max_bvh_leaves(count));
+  slots.blocks = plan.add<Block>(name + ", leaves", Lifetime::kScene, leaf_blocks<Block>(count));
   slots.nodes = plan.add<BvhNode>(name + ", hierarchy", Lifetime::kScene, max_bvh_nodes(count));
-  slots.references = plan.add<BvhReference>(name + ", build", Lifetime::kScratch, count);
   return slots;
 }
 
@@ -226,12 +258,10 @@ Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const Geometr
   geometry.first_in_triangles_ = slots.quads.count;
   geometry.first_sphere_ = slots.quads.count + slots.triangles.count;
   float extent = 0.0f;
-  geometry.quads_ = build_kind(
-      arena, slots.quads, PolygonList{input.quads, input.triangles.first(few ? input.triangles.size() : 0)},
-      0, extent);
-  geometry.triangles_ =
-      build_kind(arena, slots.triangles, few ? std::span<const Triangle>{} : input.triangles,
-                 geometry.first_in_triangles_, extent);
+  geometry.quads_ = build_kind(arena, slots.quads,
+                               PolygonList{input.quads, few ? input.triangles : TriangleList{}}, 0, extent);
+  geometry.triangles_ = build_kind(arena, slots.triangles, few ? TriangleList{} : input.triangles,
+                                   geometry.first_in_triangles_, extent);
   geometry.spheres_ = build_kind(arena, slots.spheres, input.spheres, geometry.first_sphere_, extent);
   geometry.extent_ = extent;
   return geometry;

@@ -68,6 +68,7 @@ class ShapeCompiler {
   ShapeCompiler(const WorldCounts& counts, Arena& arena, const WorldSlots& slots)
       : counts_(counts),
         quads_(arena.take(slots.quads)),
+        vertices_(arena.take(slots.vertices)),
         triangles_(arena.take(slots.triangles)),
         spheres_(arena.take(slots.spheres)),
         primitives_(arena.take(slots.primitives)),
@@ -78,12 +79,13 @@ class ShapeCompiler {
     for (const MeshDescription& mesh : scene.meshes) add_mesh(mesh, placement);
     for (const SphereDescription& sphere : scene.spheres) add_sphere(sphere, placement);
     MLT_CHECK_OP(quad_count_, ==, quads_.size());
+    MLT_CHECK_OP(vertex_count_, ==, vertices_.size());
     MLT_CHECK_OP(triangle_count_, ==, triangles_.size());
     MLT_CHECK_OP(sphere_count_, ==, spheres_.size());
     MLT_CHECK_OP(light_count_, ==, lights_.size());
   }
 
-  GeometryInput geometry() const { return {quads_, triangles_, spheres_}; }
+  GeometryInput geometry() const { return {quads_, {vertices_, triangles_}, spheres_}; }
   std::span<const PrimitiveRecord> primitives() const { return primitives_; }
   std::span<Light> lights() const { return lights_; }
 
@@ -93,7 +95,9 @@ class ShapeCompiler {
     const Vec3 b = placement.point(polygon.corners[1]);
     const Vec3 c = placement.point(polygon.corners[2]);
     if (polygon.corner_count == 3) {
-      add_triangle(Triangle{a, b, c}, polygon.attributes);
+      const std::uint32_t first = vertex_count_;
+      for (const Vec3& corner : {a, b, c}) vertices_[vertex_count_++] = corner;
+      add_triangle({first, first + 1, first + 2}, polygon.attributes);
       return;
     }
     const Quad quad{a, b, c, placement.point(polygon.corners[3])};
@@ -103,19 +107,23 @@ class ShapeCompiler {
   }
 
   void add_mesh(const MeshDescription& mesh, const Placement& placement) {
+    const std::uint32_t first = vertex_count_;
+    vertex_count_ += static_cast<std::uint32_t>(mesh.vertices.size());
+    // Vertices that no triangle has may lie anywhere, also where a float does not reach.
+    for (const std::uint32_t index : mesh.indices)
+      vertices_[first + index] = placement.point(mesh.vertices[index]);
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      add_triangle(Triangle{placement.point(mesh.vertices[mesh.indices[i]]),
-                            placement.point(mesh.vertices[mesh.indices[i + 1]]),
-                            placement.point(mesh.vertices[mesh.indices[i + 2]])},
+      add_triangle({first + mesh.indices[i], first + mesh.indices[i + 1], first + mesh.indices[i + 2]},
                    mesh.attributes);
     }
   }
 
-  void add_triangle(const Triangle& triangle, const ShapeAttributes& attributes) {
+  void add_triangle(const TriangleCorners& corners, const ShapeAttributes& attributes) {
     const std::uint32_t index = triangle_count_++;
-    triangles_[index] = triangle;
-    record(counts_.geometry.quads + index, attributes,
-           [&](const Vec3& radiance) { return make_triangle_light(triangle, radiance); });
+    triangles_[index] = corners;
+    record(counts_.geometry.quads + index, attributes, [&](const Vec3& radiance) {
+      return make_triangle_light(TriangleList{vertices_, triangles_}[index], radiance);
+    });
   }
 
   void add_sphere(const SphereDescription& description, const Placement& placement) {
@@ -137,11 +145,12 @@ class ShapeCompiler {
 
   const WorldCounts& counts_;
   std::span<Quad> quads_;
-  std::span<Triangle> triangles_;
+  std::span<Vec3> vertices_;
+  std::span<TriangleCorners> triangles_;
   std::span<Sphere> spheres_;
   std::span<PrimitiveRecord> primitives_;
   std::span<Light> lights_;
-  std::uint32_t quad_count_ = 0, triangle_count_ = 0, sphere_count_ = 0, light_count_ = 0;
+  std::uint32_t quad_count_ = 0, vertex_count_ = 0, triangle_count_ = 0, sphere_count_ = 0, light_count_ = 0;
 };
 
 }  // namespace
@@ -151,9 +160,11 @@ WorldCounts count_world(const SceneDescription& scene) {
   counts.materials = static_cast<std::uint32_t>(scene.materials.size());
   for (const PolygonDescription& polygon : scene.polygons) {
     (polygon.corner_count == 4 ? counts.geometry.quads : counts.geometry.triangles) += 1;
+    if (polygon.corner_count == 3) counts.triangle_vertices += 3;
   }
   for (const MeshDescription& mesh : scene.meshes) {
     counts.geometry.triangles += static_cast<std::uint32_t>(mesh.indices.size() / 3);
+    counts.triangle_vertices += static_cast<std::uint32_t>(mesh.vertices.size());
   }
   counts.geometry.spheres = static_cast<std::uint32_t>(scene.spheres.size());
   visit_shapes(scene, [&](const ShapeAttributes& attributes, std::size_t primitives) {
@@ -170,8 +181,10 @@ WorldSlots plan_world(MemoryPlan& plan, const WorldCounts& counts) {
       std::size_t{counts.geometry.quads} + counts.geometry.triangles + counts.geometry.spheres;
   WorldSlots slots;
   slots.quads = plan.add<Quad>("quads, input of the build", Lifetime::kScratch, counts.geometry.quads);
-  slots.triangles =
-      plan.add<Triangle>("triangles, input of the build", Lifetime::kScratch, counts.geometry.triangles);
+  slots.vertices =
+      plan.add<Vec3>("vertices, input of the build", Lifetime::kScratch, counts.triangle_vertices);
+  slots.triangles = plan.add<TriangleCorners>("triangles, input of the build", Lifetime::kScratch,
+                                              counts.geometry.triangles);
   slots.spheres =
       plan.add<Sphere>("spheres, input of the build", Lifetime::kScratch, counts.geometry.spheres);
   slots.geometry = Geometry::plan(plan, counts.geometry);

@@ -7,6 +7,7 @@
 
 #include "image/image_io.hpp"
 #include "program.hpp"
+#include "support/faults.hpp"
 
 namespace mlt {
 namespace {
@@ -196,6 +197,16 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
     CHECK(read_pfm(folder / "p.pfm").non_finite == 0);
     CHECK_THAT(read_text(folder / "error"), Catch::Contains("partial"));
   }
+}
+
+TEST_CASE("a film of 256 x 256 pixels and four threads take less than 16 MB in all") {
+  const SceneFolder folder;
+  const ProgramResult result =
+      folder.run({"render", "scene.txt", "--width", "256", "--height", "256", "--threads", "4", "--mutations",
+                  "1", "--stats", "a.json", "-o", "a.png"});
+  REQUIRE(result.code == code_of(ExitCode::kOk));
+  const std::size_t peak = std::stoull(read_statistics(folder / "a.json").at("peak_memory_bytes"));
+  if (MLT_FAULTS_ARE_OURS) CHECK(peak < 15'700'000);  // a bootstrap of 655,360 paths would add 0.25 MB
 }
 
 TEST_CASE("info prints what was read, features, and the plan with its total") {

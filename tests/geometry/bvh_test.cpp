@@ -60,13 +60,20 @@ void check_build(std::vector<BvhReference> references) {
   for (std::size_t i = 0; i < count; ++i) references[i].index = static_cast<std::uint32_t>(i);
   std::vector<BvhNode> nodes(max_bvh_nodes(count));
   std::vector<std::vector<BvhReference>> leaves;
+  struct Received {
+    std::vector<std::vector<BvhReference>>& leaves;
+    BvhReference* next;
+  } received{leaves, references.data()};
   const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
-    auto& all = *static_cast<std::vector<std::vector<BvhReference>>*>(context);
+    auto& [all, next] = *static_cast<Received*>(context);
     REQUIRE(block == all.size());
     REQUIRE((leaf.size() >= 1 && leaf.size() <= kLeafSize));
+    // Leaves take the references in their order, and what they have taken is theirs to overwrite.
+    REQUIRE(leaf.data() == next);
     all.emplace_back(leaf.begin(), leaf.end());
+    for (std::size_t i = 0; i < leaf.size(); ++i) *next++ = BvhReference{{9, 9, 9}, ~0U, {-9, -9, -9}, ~0U};
   };
-  const BvhSize size = build_bvh(references, nodes, LeafWriter{write, &leaves});
+  const BvhSize size = build_bvh(references, nodes, LeafWriter{write, &received});
   CHECK(size.levels <= kMaxLevels);
   CHECK(size.blocks == leaves.size());
   CHECK(size.blocks <= max_bvh_leaves(count));

@@ -25,6 +25,23 @@ struct Shapes {
   std::size_t size() const { return quads.size() + triangles.size() + spheres.size(); }
 };
 
+/// Triangles as the geometry takes them, each with vertices of its own.
+class TriangleSoup {
+ public:
+  explicit TriangleSoup(const std::vector<Triangle>& triangles) {
+    for (const Triangle& t : triangles) {
+      const auto first = static_cast<std::uint32_t>(vertices_.size());
+      vertices_.insert(vertices_.end(), {t.a, t.b, t.c});
+      corners_.push_back({first, first + 1, first + 2});
+    }
+  }
+  TriangleList list() const { return {vertices_, corners_}; }
+
+ private:
+  std::vector<Vec3> vertices_;
+  std::vector<TriangleCorners> corners_;
+};
+
 /// A Geometry with the memory that it lives in.
 class BuiltGeometry {
  public:
@@ -34,7 +51,8 @@ class BuiltGeometry {
     bytes_ = plan.total_bytes();
     scene_bytes_ = plan.bytes(Lifetime::kScene);
     arena_ = std::make_unique<Arena>(plan);
-    geometry_ = Geometry::build(*arena_, slots, {shapes.quads, shapes.triangles, shapes.spheres});
+    const TriangleSoup soup(shapes.triangles);
+    geometry_ = Geometry::build(*arena_, slots, {shapes.quads, soup.list(), shapes.spheres});
   }
   const Geometry& operator*() const { return geometry_; }
   const Geometry* operator->() const { return &geometry_; }

@@ -5,6 +5,7 @@
 
 #include "base/memory.hpp"
 #include "geometry/geometry.hpp"
+#include "geometry/scene_fixture.hpp"
 #include "light_reference.hpp"
 
 namespace mlt::test {
@@ -73,7 +74,7 @@ TEST_CASE("a shadow segment never hits the light that it leads to", "[light]") {
     INFO("quad " << stream);
     check_never_blocked(make_quad_light(quad, Vec3{1, 1, 1}), shape, ++stream);
     const Triangle triangle{quad.a, quad.b, quad.c};
-    const OneShape half({{}, {&triangle, 1}, {}});
+    const OneShape half({{}, TriangleSoup({triangle}).list(), {}});
     INFO("triangle " << stream);
     check_never_blocked(make_triangle_light(triangle, Vec3{1, 1, 1}), half, ++stream);
   }

@@ -102,6 +102,17 @@ TEST_CASE("a description with material parameters out of range is refused, whoev
   CHECK_THROWS_AS(CompiledScene(scene, 8, 8), InputError);
 }
 
+TEST_CASE("a mesh of a million triangles takes less than 105 bytes a triangle to compile and to keep") {
+  WorldCounts counts;
+  counts.geometry.triangles = 1'000'000;
+  counts.triangle_vertices = 500'000;
+  counts.materials = 1;
+  MemoryPlan plan;
+  plan_world(plan, counts);
+  CHECK(plan.total_bytes() < 105'000'000);
+  CHECK(plan.bytes(Lifetime::kScene) < 87'000'000);
+}
+
 TEST_CASE("scenes without shapes, and whose shapes are all in one point, compile and show nothing") {
   SceneDescription scene;
   const CompiledScene nothing(scene, 4, 4);
