@@ -1,7 +1,7 @@
 # Builds mlt, its tests and everything that checks it.
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
-#   make slow       tests with the tag [.slow]         make scenes, refs, bench, fuzz, repro, proof, memcheck
+#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, fuzz, repro, proof, memcheck
 #   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
 #   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the benchmark programs one after the other and joins their rows (tests/bench/row.hpp) to one table and one
-# file, both with the machine's description in their head:
+# Runs the benchmark programs one after the other and joins their rows (tests/bench/row.hpp) to one table and
+# one file, both with the machine's description in their head:
 #   bench.sh FOLDER FLAGS_FILE PROGRAM...      writes FOLDER/bench.csv
 # FLAGS_FILE holds the compiler's command. Head lines of the CSV begin with '#'.
 set -eu -o pipefail
