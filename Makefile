@@ -198,7 +198,7 @@ golden: $(OUT)/test_golden scenes
 	tools/run_tests.sh $(OUT) golden
 refs: $(OUT)/make_refs scenes
 	$(OUT)/make_refs
-# Of 256 pixels, for `make bench`: an hour of one core.
+# Of 256 pixels, for `make bench`: half an hour of one core.
 refs256: $(OUT)/make_refs scenes
 	$(OUT)/make_refs --large
 

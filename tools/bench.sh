@@ -70,6 +70,7 @@ for program in "$@"; do
   echo "$program: $((SECONDS - began)) s" >&2
 done
 after=$(ticks)
+awk -F , 'NF != 11 { print "not a row: " $0; wrong = 1 } END { exit wrong }' "$work/rows" >&2
 own_seconds >"$work/own_after"
 own=$(awk 'NR == 1 { before = $1 } NR == 2 { print $1 - before }' "$work/own_before" "$work/own_after")
 
