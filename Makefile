@@ -1,7 +1,7 @@
 # Builds mlt, its tests and everything that checks it.
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
-#   make slow       tests with the tag [.slow]         make scenes, refs, bench, fuzz, repro, proof, memcheck
+#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, fuzz, repro, proof, memcheck
 #   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
 #   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
@@ -70,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs bench bench-guard calibration fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench bench-guard calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -198,6 +198,9 @@ golden: $(OUT)/test_golden scenes
 	tools/run_tests.sh $(OUT) golden
 refs: $(OUT)/make_refs scenes
 	$(OUT)/make_refs
+# Of 256 pixels, for `make bench`: half an hour of one core.
+refs256: $(OUT)/make_refs scenes
+	$(OUT)/make_refs --large
 
 # The agreement of PSSMLT with the path tracer, when chains lose weight (include/base/planted_fault.hpp).
 WEIGHTED := $(filter src/render/kernel_group_%.cpp src/render/instruction_set.cpp,$(call sources,render))
@@ -261,12 +264,13 @@ build/scenes/made: scenes/generate_mesh.cpp | deps
 # Embree is a measure for the rays' cost, used where libembree-dev is installed.
 $(OUT)/bench/ray_bench: LIBS += $(if $(wildcard /usr/include/embree3/rtcore.h),-lembree3)
 BENCHES := $(patsubst tests/bench/%.cpp,$(OUT)/bench/%,$(wildcard tests/bench/*.cpp))
-$(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,render)
+$(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,converge)
 	@mkdir -p $(dir $@)
 	$(SAY) "  link    $@"
-	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
+# One table and build/bench/bench.csv; BENCH_QUICK=1 takes few runs.
 bench: $(BENCHES) scenes
-	@for bench in $(BENCHES); do echo "== $$bench"; $$bench || exit 1; done
+	tools/bench.sh build/bench $(FLAGS_FILE) $(BENCHES)
 
 # Instruction counts of fixed jobs against a stored table.
 bench-guard: $(OUT)/film_hash scenes | deps-extra

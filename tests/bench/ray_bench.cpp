@@ -1,11 +1,9 @@
-// Prints nanoseconds per ray by kind (primary, cosine-distributed bounce, shadow segment) for a Cornell-like
+// Nanoseconds per ray by kind (primary, cosine-distributed bounce, shadow segment) for a Cornell-like
 // box of 18 quads, a box around one glassy-smooth ball of 131k triangles and a rough one of 1M, and the time
 // to build their hierarchies. One thread, CPU time; medians of interleaved rounds, so that a change of the
 // clock's frequency or another process meets all alike. With the argument "crossover" it compares flat lists
 // with trees for growing counts instead, which is where FlatLimits comes from. Where libembree-dev is there,
 // Embree meets the same rays.
-#include <time.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -13,25 +11,13 @@
 
 #include "embree.hpp"
 #include "geometry/scene_fixture.hpp"
+#include "row.hpp"
 
 namespace mlt::test {
 namespace {
 
-/// CPU time of this thread, which other processes lengthen less than wall time.
-double cpu_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double seconds_since(double start) {
   return cpu_seconds() - start;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 Quad quad(const Vec3& a, const Vec3& u, const Vec3& v) {
@@ -166,7 +152,6 @@ class EmbreeMeter {
   void measure(const RaySets& rays, Measurement& m) const {
     m.primary.push_back(time(rays.primary, &EmbreeScene::intersect));
     m.bounce.push_back(time(rays.bounce, &EmbreeScene::intersect));
-    m.bounce_surface.push_back(0);
     m.shadow.push_back(time(rays.shadow, &EmbreeScene::occluded));
   }
 
@@ -193,29 +178,36 @@ struct EmbreeMeter {
 };
 #endif
 
-void print(const char* name, const Measurement& m) {
-  if (m.primary.empty()) return;
-  std::printf("%-34s primary %6.1f  bounce %6.1f  bounce with point %6.1f  shadow %6.1f ns\n", name,
-              median(m.primary), median(m.bounce), median(m.bounce_surface), median(m.shadow));
+/// By kind of ray, with what the rival needed for the same rays, if any.
+void print(const std::string& scene, const Measurement& m, const Measurement& embree) {
+  const auto print_kind = [&scene](const char* kind, const std::vector<double>& own,
+                                   const std::vector<double>& rival) {
+    print_row({fmt::format("{} ({} lanes)", kind, kLanes), scene, "ns", {}, own, "Embree", rival});
+  };
+  print_kind("primary ray", m.primary, embree.primary);
+  print_kind("bounce", m.bounce, embree.bounce);
+  print_kind("bounce with surface point", m.bounce_surface, {});
+  print_kind("shadow ray", m.shadow, embree.shadow);
 }
 
-void print_build(const char* name, const Shapes& shapes) {
-  std::vector<double> build;
-  std::size_t scene_bytes = 0;
+void print_build(const std::string& scene, const Shapes& shapes) {
+  BenchRow time{"build of the hierarchy", scene, "ms"};
+  BenchRow memory{"memory of the hierarchy", scene, "bytes/triangle"};
   for (int round = 0; round < 5; ++round) {
     const auto counts = shapes.counts();
     MemoryPlan plan;
     const GeometrySlots slots = Geometry::plan(plan, counts);
-    scene_bytes = plan.bytes(Lifetime::kScene);
+    memory.readings.push_back(static_cast<double>(plan.bytes(Lifetime::kScene)) /
+                              static_cast<double>(shapes.triangles.size()));
     Arena arena(plan);
     const TriangleSoup soup(shapes.triangles);
     const auto start = cpu_seconds();
     const Geometry geometry = Geometry::build(arena, slots, {shapes.quads, soup.list(), shapes.spheres});
-    build.push_back(seconds_since(start) * 1e3);
+    time.readings.push_back(seconds_since(start) * 1e3);
     sink = geometry.extent() > 0;
   }
-  std::printf("%-34s build %.1f ms, %.1f bytes a triangle\n", name, median(build),
-              static_cast<double>(scene_bytes) / static_cast<double>(shapes.triangles.size()));
+  print_row(time);
+  print_row(memory);
 }
 
 void compare_scenes() {
@@ -229,7 +221,8 @@ void compare_scenes() {
   const EmbreeMeter embree_a(cornell), embree_b(mesh), embree_c(rough);
   Measurement m[4], embree[3];
   std::vector<double> periods;
-  for (int round = 0; round < 11; ++round) {
+  const int rounds = quick_bench() ? 3 : 11;
+  for (int round = 0; round < rounds; ++round) {
     periods.push_back(clock_period());
     measure<false>(*a, rays_a, m[0]);
     measure<true>(*a, rays_a, m[1]);
@@ -239,18 +232,13 @@ void compare_scenes() {
     embree_b.measure(rays_b, embree[1]);
     embree_c.measure(rays_c, embree[2]);
   }
-  std::printf(
-      "%d lanes, one thread, medians of 11 rounds of %zu to %zu rays; a dependent addition takes %.3f ns\n",
-      kLanes, rays_a.primary.size(), rays_a.bounce.size(), median(periods));
-  print("cornell, 18 quads, quads only", m[0]);
-  print("cornell, 18 quads, general", m[1]);
-  print("131k triangles in 6 quads", m[2]);
-  print("1M triangles in 6 quads", m[3]);
-  print("Embree, cornell", embree[0]);
-  print("Embree, 131k triangles", embree[1]);
-  print("Embree, 1M triangles", embree[2]);
-  print_build("131k triangles", mesh);
-  print_build("1M triangles", rough);
+  print_row({"dependent addition", "-", "ns", {}, periods});
+  print("box of 18 quads", m[0], embree[0]);
+  print("box of 18 quads (general)", m[1], embree[0]);
+  print("131k triangles in 6 quads", m[2], embree[1]);
+  print("1M triangles in 6 quads", m[3], embree[2]);
+  print_build("131k triangles in 6 quads", mesh);
+  print_build("1M triangles in 6 quads", rough);
 }
 
 /// `count` small shapes of one kind in a closed box, flat and as a tree.

@@ -1,39 +1,18 @@
-// Microseconds of one core per path-tracer sample and per PSSMLT mutation on the Cornell box and the mesh
-// scene, nanoseconds of a mutation of 30 primary samples and of a splat, and the speed-up of two threads.
-// Medians of interleaved runs. Start it from the checkout's root, after `make scenes`.
-#include <algorithm>
-#include <chrono>
+// Path-tracer samples and PSSMLT mutations a second of one core on the Cornell box and the mesh scene, with
+// the memory of both; nanoseconds of a mutation of 30 primary samples, of a splat, of summing and developing
+// a pixel; and the speed-up of two threads. Start it from the checkout's root, after `make scenes`.
 #include <cstdio>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "film/fixed_film.hpp"
 #include "markov/primary_samples.hpp"
 #include "render/renderer.hpp"
+#include "row.hpp"
 #include "scene/parse.hpp"
 
-namespace mlt {
+namespace mlt::test {
 namespace {
-
-constexpr int kRuns = 5;
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// A measurement: its unit, and a function that returns one reading.
-struct Row {
-  std::string name;
-  std::string unit;
-  std::function<double()> measure;
-  std::vector<double> readings = {};
-};
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 struct Job {
   const SceneDescription* scene;
@@ -58,13 +37,13 @@ RenderStatistics render(const Job& job) {
   return renderer.run(stop, nullptr, nullptr);
 }
 
-/// Processor microseconds per sample or mutation; the bootstrap, a tenth as many paths, is a part of the
-/// mutations.
-double microseconds_each(const Job& job) {
+/// Millions of samples or mutations a processor second; the bootstrap, a tenth as many paths, is a part of
+/// the mutations.
+double millions_a_second(const Job& job) {
   const RenderStatistics statistics = render(job);
   const std::uint64_t units =
       job.integrator == IntegratorKind::pssmlt ? statistics.mutations : statistics.samples;
-  return 1e6 * statistics.cpu_seconds / static_cast<double>(units);
+  return 1e-6 * static_cast<double>(units) / statistics.cpu_seconds;
 }
 
 double mutation_nanoseconds() {
@@ -76,13 +55,13 @@ double mutation_nanoseconds() {
       samples, saved, Rng(1, StreamPurpose::kTest, 0),
       StepSource(BlockRng(1, StreamPurpose::kTest, 1), &Mutation<MutationKind::kelemen>::fill<BlockRng>, 1));
   std::uint32_t sum = 0;
-  const double begin = seconds_now();
+  const double begin = cpu_seconds();
   for (int step = 0; step < kSteps; ++step) {
     vector.begin_proposal(step % 64 == 0);
     for (std::uint32_t i = 0; i < kSamples; ++i) sum += vector.next_fixed();
     vector.accept();
   }
-  const double seconds = seconds_now() - begin;
+  const double seconds = cpu_seconds() - begin;
   // The sum keeps the loop from being removed.
   return sum == 1 ? 0.0 : 1e9 * seconds / kSteps;
 }
@@ -92,9 +71,9 @@ double draw_nanoseconds() {
   constexpr int kDraws = 5000000;
   Rng rng(1, StreamPurpose::kTest, 2);
   std::uint32_t sum = 0;
-  const double begin = seconds_now();
+  const double begin = cpu_seconds();
   for (int i = 0; i < kDraws; ++i) sum ^= rng.next_fixed();
-  const double seconds = seconds_now() - begin;
+  const double seconds = cpu_seconds() - begin;
   return sum == 1 ? 0.0 : 1e9 * seconds / kDraws;
 }
 
@@ -103,59 +82,90 @@ double splat_nanoseconds() {
   std::vector<FilmPixel> pixels(256 * 256);
   FixedFilm film(pixels, 32);
   Rng rng(1, StreamPurpose::kTest, 1);
-  const double begin = seconds_now();
+  const double begin = cpu_seconds();
   for (int i = 0; i < kSplats; ++i) film.splat(rng.next_fixed() >> 16, Vec3{0.5f, 0.25f, 0.125f}, 0.5, 0.0);
-  const double seconds = seconds_now() - begin;
+  const double seconds = cpu_seconds() - begin;
   return 1e9 * seconds / kSplats;
 }
 
-void add_renders(std::vector<Row>& rows, const std::string& name, const SceneDescription& scene) {
-  for (std::uint8_t set = 0; set <= static_cast<std::uint8_t>(best_instruction_set()); ++set) {
-    const auto instruction_set = static_cast<InstructionSet>(set);
-    const std::string suffix = set == 0 ? ", base" : ", AVX2";
-    const Job path{&scene, IntegratorKind::path, 128, 16, 1, instruction_set};
-    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 32, 1, instruction_set};
-    rows.push_back(
-        {name + ", path-tracer sample" + suffix, "us", [path] { return microseconds_each(path); }});
-    rows.push_back(
-        {name + ", PSSMLT mutation" + suffix, "us", [metropolis] { return microseconds_each(metropolis); }});
+constexpr std::size_t kFilmPixels = 256 * 256;
+
+double film_sum_nanoseconds() {
+  std::vector<FilmPixel> sum(kFilmPixels), source(kFilmPixels);
+  const double begin = cpu_seconds();
+  add_films(sum, source, 0, kFilmPixels);
+  return 1e9 * (cpu_seconds() - begin) / kFilmPixels;
+}
+
+double develop_nanoseconds() {
+  const std::vector<FilmPixel> film(kFilmPixels);
+  std::vector<Vec3> image(kFilmPixels);
+  const double begin = cpu_seconds();
+  develop_film(film, {1.0, 1.0, 1000000, 32}, image, 0, kFilmPixels);
+  return 1e9 * (cpu_seconds() - begin) / kFilmPixels;
+}
+
+void add_rates(std::vector<BenchRow>& rows, const std::string& name, const SceneDescription& scene) {
+#define MLT_ENUMERATE(set, help) {InstructionSet::set, #set},
+  constexpr std::pair<InstructionSet, const char*> kSets[] = {MLT_INSTRUCTION_SETS(MLT_ENUMERATE)};
+#undef MLT_ENUMERATE
+  for (const auto& [set, set_name] : kSets) {
+    if (!is_supported(set)) continue;
+    const Job path{&scene, IntegratorKind::path, 128, 16, 1, set};
+    const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 32, 1, set};
+    rows.push_back({fmt::format("path-tracer samples ({})", set_name), name, "M/s",
+                    [path] { return millions_a_second(path); }});
+    rows.push_back({fmt::format("PSSMLT mutations ({})", set_name), name, "M/s",
+                    [metropolis] { return millions_a_second(metropolis); }});
   }
+}
+
+/// Of the whole arena, by one thread.
+double arena_megabytes(const SceneDescription& scene, IntegratorKind integrator) {
+  RenderRequest request;
+  request.integrator = integrator;
+  request.width = request.height = 256;
+  request.threads = 1;
+  return 1e-6 * static_cast<double>(Renderer(scene, resolve_job(request, scene)).memory_plan().total_bytes());
+}
+
+void add_memory(std::vector<BenchRow>& rows, const std::string& name, const SceneDescription& scene) {
+  rows.push_back({"arena of the path tracer (256x256)", name, "MB",
+                  [&scene] { return arena_megabytes(scene, IntegratorKind::path); }});
+  rows.push_back({"arena of PSSMLT (256x256)", name, "MB",
+                  [&scene] { return arena_megabytes(scene, IntegratorKind::pssmlt); }});
 }
 
 int run() {
   const SceneDescription box = parse_scene_file("scenes/CornellBox.txt");
   const SceneDescription mesh = parse_scene_file("build/scenes/mesh.txt");
-  std::vector<Row> rows;
-  add_renders(rows, "Cornell box, depth 5", box);
-  add_renders(rows, "mesh, depth 5", mesh);
-  rows.push_back({"mutation of 30 primary samples", "ns", &mutation_nanoseconds});
-  rows.push_back({"draw of the scalar generator", "ns", &draw_nanoseconds});
-  rows.push_back({"splat at a random pixel", "ns", &splat_nanoseconds});
+  std::vector<BenchRow> rows;
+  add_rates(rows, "CornellBox (depth 5)", box);
+  add_rates(rows, "mesh (depth 5)", mesh);
+  add_memory(rows, "CornellBox", box);
+  add_memory(rows, "mesh", mesh);
+  rows.push_back({"mutation of 30 primary samples", "-", "ns", &mutation_nanoseconds});
+  rows.push_back({"dependent draw of a random number", "-", "ns", &draw_nanoseconds});
+  rows.push_back({"splat at a random pixel", "film of 256x256", "ns", &splat_nanoseconds});
+  rows.push_back({"sum of two films a pixel", "film of 256x256", "ns", &film_sum_nanoseconds});
+  rows.push_back({"development a pixel", "film of 256x256", "ns", &develop_nanoseconds});
   const Job one{&box, IntegratorKind::pssmlt, 256, 32, 1, best_instruction_set()};
-  rows.push_back({"two threads over one, Cornell box", "x", [one] {
+  rows.push_back({"wall time of one thread over two", "CornellBox (depth 5)", "x", [one] {
                     Job two = one;
                     two.threads = 2;
                     const double alone = render(one).wall_seconds;
                     return alone / render(two).wall_seconds;
                   }});
-  for (int i = 0; i < kRuns; ++i) {
-    for (Row& row : rows) row.readings.push_back(row.measure());
-  }
-  std::printf("%-44s %10s %10s %10s\n", "", "median", "min", "max");
-  for (const Row& row : rows) {
-    const auto [least, greatest] = std::minmax_element(row.readings.begin(), row.readings.end());
-    std::printf("%-44s %10.3f %10.3f %10.3f %s\n", row.name.c_str(), median(row.readings), *least, *greatest,
-                row.unit.c_str());
-  }
+  measure_rows(rows, quick_bench() ? 2 : 5);
   return 0;
 }
 
 }  // namespace
-}  // namespace mlt
+}  // namespace mlt::test
 
 int main() {
   try {
-    return mlt::run();
+    return mlt::test::run();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

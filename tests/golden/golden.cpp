@@ -1,10 +1,12 @@
 #include "golden.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "bench/scene_table.hpp"
 #include "image/image_io.hpp"
 
 namespace mlt::test {
@@ -36,20 +38,37 @@ std::vector<GoldenScene> golden_scenes() {
   return scenes;
 }
 
+std::vector<GoldenScene> large_scenes() {
+  std::vector<GoldenScene> scenes;
+  for (const BenchScene& scene : read_bench_scenes()) {
+    const SceneDescription description = parse_scene_file(scene.file);
+    const std::uint32_t longer = std::max(description.film_width, description.film_height);
+    scenes.push_back({scene.name, scene.file, scene.reference_samples, kLargeReferences,
+                      kLargeSide * description.film_width / longer,
+                      kLargeSide * description.film_height / longer, kLargeReplicates});
+  }
+  return scenes;
+}
+
+float round_mantissa(float value, int bits) {
+  const std::uint32_t unit = std::uint32_t{1} << (23 - bits);
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(value) + unit / 2) & ~(unit - 1));
+}
+
 RenderRequest reference_request(const GoldenScene& scene) {
   RenderRequest request;
   request.integrator = IntegratorKind::path;
-  request.width = kGoldenSide;
-  request.height = kGoldenSide;
+  request.width = scene.width;
+  request.height = scene.height;
   request.samples_per_pixel = scene.samples_per_pixel;
   return request;
 }
 
 std::string reference_path(const GoldenScene& scene) {
-  return "ref_images/" + scene.name + ".pfm";
+  return scene.folder + scene.name + ".pfm";
 }
 std::string variance_path(const GoldenScene& scene) {
-  return "ref_images/" + scene.name + ".variance.pfm";
+  return scene.folder + scene.name + ".variance.pfm";
 }
 
 GoldenReference read_reference(const GoldenScene& scene) {

@@ -179,9 +179,23 @@ TEST_CASE("the film hashes of fixed jobs are the stored ones") {
   }
 }
 
+TEST_CASE("a rounded value is the nearest one with so many bits, and few bits are left") {
+  CHECK(round_mantissa(0.0f, 10) == 0.0f);
+  CHECK(round_mantissa(1.0f, 3) == 1.0f);
+  CHECK(round_mantissa(1.0f + 0x1p-4f, 3) == 1.125f);
+  CHECK(round_mantissa(1.0f + 0x1.fp-5f, 3) == 1.0f);
+  // Rounding up carries into the exponent.
+  CHECK(round_mantissa(1.99f, 3) == 2.0f);
+  for (float x = 1e-6f; x < 1e6f; x *= 1.37f) {
+    const float rounded = round_mantissa(x, 10);
+    CHECK(std::fabs(rounded - x) <= x * 0x1p-11f);
+    CHECK(std::fmod(std::ldexp(rounded, 10 - std::ilogb(rounded)), 1.0f) == 0.0f);
+  }
+}
+
 TEST_CASE("every stored golden image belongs to a scene") {
   const std::vector<GoldenScene> scenes = golden_scenes();
-  for (const auto& [name, line] : read_table(kGoldenIndex, 1)) {
+  for (const auto& [name, line] : read_table(std::string(kGoldenFolder) + kIndexName, 1)) {
     INFO(name);
     const bool known = std::any_of(scenes.begin(), scenes.end(),
                                    [&name = name](const GoldenScene& scene) { return scene.name == name; });
