@@ -11,7 +11,7 @@ out=${2:?folder for the results}
 side_by_side=${3:-1}
 tables=("${@:4}")
 [ ${#tables[@]} -gt 0 ] || tables=(equal-time large-step step-size chains bootstrap start roulette-path
-  roulette-pssmlt together tuned larger)
+  roulette-pssmlt together larger larger-settings)
 telling=(CornellBox cornell_hidden corridor spheres)
 mapfile -t scenes < <(grep -vE '^(#|$)' ref_images/INDEX.txt | cut -d' ' -f1)
 
@@ -19,8 +19,8 @@ mapfile -t scenes < <(grep -vE '^(#|$)' ref_images/INDEX.txt | cut -d' ' -f1)
 scenes_of() {
   case $1 in
     equal-time) echo "${scenes[@]}" ;;
-    tuned) echo "${telling[@]}" CornellBox2 mesh ;;
-    larger) echo CornellBox cornell_hidden spheres ;;
+    larger) echo "${telling[@]}" CornellBox2 mesh ;;
+    larger-settings) echo cornell_hidden spheres ;;
     *) echo "${telling[@]}" ;;
   esac
 }
@@ -38,10 +38,8 @@ converge() {
 # The methods of each sweep: the first is the one that the others are compared with.
 sweep() {  # sweep NAME SCENE
   local methods=() method size=(--reference "ref_images/$2.pfm" --budgets 64 --replicates 8)
-  # Other seeds than those by which the settings were chosen.
-  [ "$1" = tuned ] && size=(--reference "ref_images/$2.pfm" --budgets 64 --replicates 16 --seed 2000000)
   # There are no references of this size, so the error is the variance over replicates.
-  [ "$1" = larger ] && size=(--width 256 --height 256 --budgets 16 --replicates 6)
+  [[ $1 == larger* ]] && size=(--width 256 --height 256 --budgets 16 --replicates 6)
   while read -r method; do methods+=(--method "$method"); done < <(methods_of "$1")
   converge "$1" "$2" "${methods[@]}" "${size[@]}"
 }
@@ -57,9 +55,8 @@ methods_of() {
     roulette-path) printf 'path%s\n' '' ' --roulette '{2,4,off} ;;
     roulette-pssmlt) printf 'pssmlt%s\n' '' ' --roulette '{2,4,off} ;;
     together) printf 'pssmlt%s\n' '' ' --large-step '{0.3,0.5}{,' --step-size '{2,4}} ;;
-    tuned)
-      printf '%s\n' path 'path --roulette off' pssmlt 'pssmlt --large-step 0.3 --step-size 2' \
-        'pssmlt --large-step 0.5 --step-size 2'{,' --roulette 4'}
+    larger-settings)
+      printf 'pssmlt%s\n' '' ' --large-step 0.1' ' --step-size '{0.5,2} ' --chains 1024' ' --roulette 4'
       ;;
     larger)
       printf '%s\n' path pssmlt 'pssmlt --step-size 0.25' 'pssmlt --large-step 0.5'{,' --step-size 2'}
