@@ -11,7 +11,7 @@ out=${2:?folder for the results}
 side_by_side=${3:-1}
 tables=("${@:4}")
 [ ${#tables[@]} -gt 0 ] || tables=(equal-time large-step step-size chains bootstrap start roulette-path
-  roulette-pssmlt together larger larger-settings)
+  roulette-pssmlt together larger larger-settings size-64 size-128 size-512)
 telling=(CornellBox cornell_hidden corridor spheres)
 mapfile -t scenes < <(grep -vE '^(#|$)' ref_images/INDEX.txt | cut -d' ' -f1)
 
@@ -20,7 +20,8 @@ scenes_of() {
   case $1 in
     equal-time) echo "${scenes[@]}" ;;
     larger) echo "${telling[@]}" CornellBox2 mesh ;;
-    larger-settings) echo cornell_hidden spheres ;;
+    size-*) echo CornellBox cornell_hidden ;;
+    larger-settings) echo cornell_hidden corridor spheres ;;
     *) echo "${telling[@]}" ;;
   esac
 }
@@ -38,8 +39,11 @@ converge() {
 # The methods of each sweep: the first is the one that the others are compared with.
 sweep() {  # sweep NAME SCENE
   local methods=() method size=(--reference "ref_images/$2.pfm" --budgets 64 --replicates 8)
-  # There are no references of this size, so the error is the variance over replicates.
-  [[ $1 == larger* ]] && size=(--width 256 --height 256 --budgets 16 --replicates 6)
+  # There are no references of these sizes, so the error is the variance over replicates.
+  case $1 in
+    larger*) size=(--width 256 --height 256 --budgets 16 --replicates 6) ;;
+    size-*) size=(--width "${1#size-}" --height "${1#size-}" --budgets 16 --replicates 6) ;;
+  esac
   while read -r method; do methods+=(--method "$method"); done < <(methods_of "$1")
   converge "$1" "$2" "${methods[@]}" "${size[@]}"
 }
@@ -55,6 +59,7 @@ methods_of() {
     roulette-path) printf 'path%s\n' '' ' --roulette '{2,4,off} ;;
     roulette-pssmlt) printf 'pssmlt%s\n' '' ' --roulette '{2,4,off} ;;
     together) printf 'pssmlt%s\n' '' ' --large-step '{0.3,0.5}{,' --step-size '{2,4}} ;;
+    size-*) printf '%s\n' path pssmlt ;;
     larger-settings)
       printf 'pssmlt%s\n' '' ' --large-step 0.1' ' --step-size '{0.5,2} ' --chains 1024' ' --roulette 4'
       ;;
@@ -96,7 +101,8 @@ equal_time_table() {
   for scene in "${scenes[@]}"; do
     # Below 1e-9 the path tracer's error is rounding, and no ratio to it means anything.
     last=$(awk 'NF > 8 && $1 ~ /^(path|pssmlt)$/ { e[$1] = $6; t[$1] = $4 }
-      END { print (e["path"] < 1e-9 ? "none" : e["path"]) " | " e["pssmlt"] " | " t["path"] " | " t["pssmlt"] }' \
+      END { print (e["path"] < 1e-9 ? "none" : e["path"]) " | " e["pssmlt"] " | " t["path"] " | " \
+        t["pssmlt"] }' \
       "$out/equal-time/$scene/text.txt")
     [[ $last == none* ]] && echo "| $scene | $last | - |" && continue
     echo "| $scene | $last | $(ratios equal-time "$scene" | sed -n 's/^pssmlt|//p') |"
