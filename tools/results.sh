@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures what docs/RESULTS.md tells, about 40 minutes of one core:
+# Measures what docs/RESULTS.md tells, about an hour of one core:
 #   results.sh MLT DIR [SIDE_BY_SIDE [TABLE]...]
 # Each run of `mlt converge` has a folder DIR/TABLE/SCENE; those that are complete are not made again. Then
 # DIR/tables.md holds the tables, as Markdown.
