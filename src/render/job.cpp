@@ -11,7 +11,7 @@
 namespace mlt {
 namespace {
 
-// Defaults that follow from the job alone; the measurements behind them are in docs/ARCHITECTURE.md.
+// Defaults that follow from the job alone; the measurements behind them are in docs/RESULTS.md.
 constexpr std::uint64_t kDefaultSamplesPerPixel = 64;
 constexpr std::uint64_t kDefaultMutationsPerPixel = 100;
 constexpr std::uint32_t kDefaultChains = 256;

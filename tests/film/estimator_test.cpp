@@ -104,6 +104,24 @@ TEST_CASE("every pixel is unbiased for all probabilities of a large step and all
   });
 }
 
+TEST_CASE("every pixel is unbiased for the shortest and the longest small steps") {
+  const double threshold = sidak_threshold(kSignificance, 2 * 2 * (3 * SmoothToy<>::kPixels + 2));
+  for_each_mutation([&]<MutationKind kKind>(const char* name) {
+    for (const float step_size : {kMinStepSize, kMaxStepSize}) {
+      ToyJob job;
+      job.seed = 20000 + 1000 * static_cast<std::uint64_t>(kKind);
+      job.step_size = step_size;
+      job.weight_b = static_cast<float>(SmoothToy<>::expected_b());
+      const PValues p = test_image<Mutation<kKind>>(job, false, 128);
+      INFO(name << ", steps times " << step_size << ": smallest p " << p.smallest << ", joint " << p.joint
+                << ", mean " << p.mean);
+      CHECK(p.smallest > threshold);
+      CHECK(p.joint > threshold);
+      CHECK(p.mean > threshold);
+    }
+  });
+}
+
 TEST_CASE("the renderer's own choice, b of the bootstrap and all large steps, shows no bias") {
   // Dependence between b, w and the chains leaves a bias of the order 1 / paths, here 1e-4, hidden by the
   // standard error of 1e-3.
