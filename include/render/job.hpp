@@ -43,7 +43,10 @@ inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< pat
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::size_t kDefaultFilmMemory = std::size_t{8} << 20;  ///< bytes
 inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;        ///< pixels
-inline constexpr std::uint32_t kDefaultRouletteEdge = 8;
+/// First path edges that Russian roulette may end (docs/RESULTS.md): chains gain from short paths, the path
+/// tracer lost by roulette at every depth that was measured, up to this one.
+inline constexpr std::uint32_t kDefaultRouletteEdgePssmlt = 4;
+inline constexpr std::uint32_t kDefaultRouletteEdgePath = 24;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 /// Samples or mutations a pixel of each round, where a job speaks of rounds.
 inline constexpr std::uint64_t kDefaultPerRound = 16;

@@ -129,8 +129,9 @@ void add_settings(std::vector<OptionSpec>& table) {
               fmt::format("pssmlt: factor on the sizes of small steps, {} to {}; default {}", kMinStepSize,
                           kMaxStepSize, defaults.step_size));
   add_setting("--roulette", "N|off", {IntegratorKind::path, IntegratorKind::pssmlt},
-              fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: {}",
-                          kMaxDepth, kDefaultRouletteEdge));
+              fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: "
+                          "{} (path), {} (pssmlt)",
+                          kMaxDepth, kDefaultRouletteEdgePath, kDefaultRouletteEdgePssmlt));
 }
 
 /// Where the render runs; without influence on the image.

@@ -85,6 +85,25 @@ void resolve_rounds(const RenderRequest& request, RequestChecker& checker, Rende
       "1 to " + std::to_string(most) + " with " + std::to_string(job.samples_per_pixel) + " a pixel each");
 }
 
+/// How the integrator estimates: what it needs besides the amount of work.
+void resolve_settings(const MethodRequest& request, RequestChecker& checker, RenderJob& job) {
+  checker.check(request.large_step >= 0.0f && request.large_step <= 1.0f, "--large-step",
+                std::to_string(request.large_step), "0 to 1");
+  job.large_step = request.large_step;
+  checker.check(request.step_size >= kMinStepSize && request.step_size <= kMaxStepSize, "--step-size",
+                std::to_string(request.step_size), "1/1024 to 16");
+  job.step_size = request.step_size;
+  job.start = request.start;
+  job.mutation = request.mutation;
+  // Roulette that could only start behind the longest path would waste a primary sample a vertex.
+  job.roulette = checker.in_range(
+      "--roulette",
+      request.roulette.value_or(request.integrator == IntegratorKind::pssmlt ? kDefaultRouletteEdgePssmlt
+                                                                             : kDefaultRouletteEdgePath),
+      0U, kMaxDepth);
+  if (job.roulette >= job.depth) job.roulette = 0;
+}
+
 }  // namespace
 
 RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene) {
@@ -108,18 +127,7 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   job.threads = checker.in_range(
       "--threads", request.threads.value_or(std::min(available_threads(), kMaxThreads)), 1U, kMaxThreads);
   job.seed = request.seed;
-  checker.check(request.large_step >= 0.0f && request.large_step <= 1.0f, "--large-step",
-                std::to_string(request.large_step), "0 to 1");
-  job.large_step = request.large_step;
-  checker.check(request.step_size >= kMinStepSize && request.step_size <= kMaxStepSize, "--step-size",
-                std::to_string(request.step_size), "1/1024 to 16");
-  job.step_size = request.step_size;
-  job.start = request.start;
-  job.mutation = request.mutation;
-  // Roulette that could only start behind the longest path would waste a primary sample a vertex.
-  job.roulette =
-      checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
-  if (job.roulette >= job.depth) job.roulette = 0;
+  resolve_settings(request, checker, job);
   job.memory_limit = request.memory_limit;
   job.film_memory = request.film_memory;
   job.instruction_set = request.instruction_set.value_or(best_instruction_set());

@@ -58,6 +58,7 @@ float round_mantissa(float value, int bits) {
 RenderRequest reference_request(const GoldenScene& scene) {
   RenderRequest request;
   request.integrator = IntegratorKind::path;
+  request.roulette = 8;
   request.width = scene.width;
   request.height = scene.height;
   request.samples_per_pixel = scene.samples_per_pixel;

@@ -21,12 +21,13 @@ namespace {
 constexpr const char* kIndexHeader =
     "# Golden images: NAME.pfm is the mean and NAME.variance.pfm the variance of that mean, by pixel and "
     "channel, of\n"
-    "#   mlt render SCENE --integrator path --width 64 --height 64 --spp SPP --seed S -o S.pfm\n"
+    "#   mlt render SCENE --integrator path --roulette 8 --width 64 --height 64 --spp SPP --seed S -o S.pfm\n"
     "# for S = 1 to REPLICATES. Written by `make refs`; checked by tests/golden/golden_test.cpp.\n";
 constexpr const char* kLargeIndexHeader =
     "# References of the benchmark of time to an error (tests/bench/scenes.txt): NAME.pfm is the mean and\n"
     "# NAME.variance.pfm the variance of that mean, by pixel and channel, of\n"
-    "#   mlt render SCENE --integrator path --width 256 --height 256 --spp SPP --seed S -o S.pfm\n"
+    "#   mlt render SCENE --integrator path --roulette 8 --width 256 --height 256 --spp SPP --seed S "
+    "-o S.pfm\n"
     "# for S = 1 to REPLICATES; 256 is the longer side where the scene's film is not square. Rounded, so "
     "that "
     "they are\n"
