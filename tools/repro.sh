@@ -86,7 +86,6 @@ if [ "$mode" != rest ]; then
   done
   # Jobs so small have a film for each thread unless told otherwise.
   cell "threads 7, one film" " pssmlt " build/release/film_hash threads=7 film_memory=0
-  cell "threads 7, two or more films" " pssmlt " build/release/film_hash threads=7 film_memory=600000
   # The kernels of each instruction set that a release build holds; without AVX2 both are the base.
   sets=(base)
   grep -qw avx2 /proc/cpuinfo && sets+=(avx2)

@@ -41,8 +41,8 @@ inline constexpr std::uint32_t kMaxChains = 1U << 20;
 inline constexpr std::uint64_t kMaxBootstrap = std::uint64_t{1} << 36;  ///< paths
 inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< path edges
 inline constexpr std::uint32_t kMaxThreads = 1024;
-inline constexpr std::size_t kDefaultFilmMemory = std::size_t{8} << 20;  ///< bytes
-inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;        ///< pixels
+inline constexpr std::size_t kDefaultFilmMemory = std::size_t{10} << 20;  ///< bytes
+inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;         ///< pixels
 /// First path edges that Russian roulette may end (docs/RESULTS.md): chains gain from short paths, the path
 /// tracer lost by roulette at every depth that was measured, up to this one.
 inline constexpr std::uint32_t kDefaultRouletteEdgePssmlt = 4;
@@ -74,7 +74,7 @@ struct RenderRequest : MethodRequest {
   std::optional<std::uint32_t> threads;            ///< 1 to kMaxThreads; default: the machine's cores
   std::uint64_t seed = 0;
   std::size_t memory_limit = std::size_t{4} << 30;  ///< bytes
-  std::size_t film_memory = kDefaultFilmMemory;     ///< pssmlt: bytes that more films than one may take
+  std::size_t film_memory = kDefaultFilmMemory;     ///< pssmlt: bytes that a film for each worker may take
   std::optional<InstructionSet> instruction_set;    ///< default: the best that the processor has
 };
 

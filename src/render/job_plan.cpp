@@ -76,8 +76,8 @@ void JobPlan::plan_metropolis() {
                                         workers * own_stride<SavedSample>(sample_capacity));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
                                    workers * own_stride<Splat>(std::size_t{2} * kernel.max_splats));
-  const std::size_t fitting = std::min(job.film_memory, room_for_films()) / film_bytes();
-  films = static_cast<std::uint32_t>(std::clamp<std::size_t>(fitting, 1, workers));
+  const std::uint32_t wanted = films_for_all() <= job.film_memory ? workers : 1;
+  films = static_cast<std::uint32_t>(std::clamp<std::size_t>(room_for_films() / film_bytes(), 1, wanted));
   slots.films = memory.add<FilmPixel>("films", Lifetime::kRender, films * pixel_count());
 }
 
@@ -89,10 +89,10 @@ std::size_t JobPlan::room_for_films() const {
 
 std::string JobPlan::describe_films() const {
   if (films == workers) return fmt::format("{}, one for each worker", films);
-  const bool limited_by_memory = job.film_memory / film_bytes() > films;
+  const bool limited_by_memory = films_for_all() <= job.film_memory;
   return fmt::format("{}, shared by {} workers with atomic adds; {}", films, workers,
                      limited_by_memory ? std::string("--memory leaves no room for more")
-                                       : fmt::format("more would exceed {} bytes of films", job.film_memory));
+                                       : fmt::format("one for each would exceed {} bytes", job.film_memory));
 }
 
 void JobPlan::plan_path() {

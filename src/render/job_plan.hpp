@@ -62,6 +62,7 @@ struct JobPlan {
  private:
   void plan_metropolis();
   std::size_t film_bytes() const { return pixel_count() * sizeof(FilmPixel); }
+  std::size_t films_for_all() const { return workers * film_bytes(); }
   std::size_t room_for_films() const;
   void plan_path();
   void take_metropolis_storage(Arena& arena, RenderStorage& storage) const;

@@ -43,7 +43,7 @@ TEST_CASE("pitfall 9: the film's hash is the same from any number of films") {
     RenderRequest alone = request;
     alone.threads = 1;
     const RenderResult reference = render(scene, alone);
-    for (std::uint32_t films = 0; films <= kWorkers; ++films) {
+    for (const std::uint32_t films : {0U, kWorkers}) {
       request.film_memory = films * kFilmBytes;
       const RenderResult result = render(scene, request);
       INFO(file << ": " << films_of(scene, request));
@@ -77,8 +77,11 @@ TEST_CASE("a 256 x 256 film is shared by four workers, so that the whole job sta
   request.width = request.height = 256;
   request.threads = 4;
   CHECK(films_of(scene, request) ==
-        "1, shared by 4 workers with atomic adds; more would exceed 8388608 bytes of films");
+        "1, shared by 4 workers with atomic adds; one for each would exceed 10485760 bytes");
   CHECK(planned_bytes(scene, request) < 7'500'000);
+  request.threads = 2;
+  CHECK(films_of(scene, request) == "2, one for each worker");
+  request.threads = 4;
   request.width = request.height = 128;
   CHECK(films_of(scene, request) == "4, one for each worker");
 }
