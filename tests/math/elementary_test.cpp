@@ -85,7 +85,7 @@ void check_accuracy(std::uint32_t stride) {
       0.9);
   require_within(
       "log_f",
-      worst_error(0.0f, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }), 0.9);
+      worst_error(0.0f, kMax, stride, log_f, [](float x) { return std::log(static_cast<double>(x)); }), 0.94);
   require_within(
       "log2_f",
       worst_error(0.0f, kMax, stride, log2_f, [](float x) { return std::log2(static_cast<double>(x)); }),
