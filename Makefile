@@ -70,7 +70,7 @@ SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench bench-guard calibration fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -269,6 +269,8 @@ $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,converge)
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 # One table and build/bench/bench.csv; BENCH_QUICK=1 takes few runs.
+# Builds without running.
+benches: $(BENCHES)
 bench: $(BENCHES) scenes
 	tools/bench.sh build/bench $(FLAGS_FILE) $(BENCHES)
 

@@ -164,10 +164,5 @@ int run() {
 }  // namespace mlt::test
 
 int main() {
-  try {
-    return mlt::test::run();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
+  return mlt::test::run_bench(&mlt::test::run);
 }

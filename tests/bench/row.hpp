@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <string>
 #include <vector>
@@ -63,6 +64,16 @@ inline void measure_rows(std::vector<BenchRow>& rows, int runs) {
     for (BenchRow& row : rows) row.readings.push_back(row.measure());
   }
   for (const BenchRow& row : rows) print_row(row);
+}
+
+/// The body of a benchmark's main: its exit code, or 2 with what went wrong on stderr.
+inline int run_bench(int (*run)()) {
+  try {
+    return run();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
 }
 
 }  // namespace mlt::test

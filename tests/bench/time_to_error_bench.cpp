@@ -36,8 +36,13 @@ std::vector<std::uint64_t> levels_about(std::uint64_t budget) {
 
 ConvergePlan plan_for(const BenchScene& bench, const Reference& reference) {
   ConvergePlan plan;
-  plan.methods = {{IntegratorKind::path, "path", levels_about(bench.path_samples)},
-                  {IntegratorKind::pssmlt, "pssmlt", levels_about(bench.mutations)}};
+  plan.methods.resize(2);
+  plan.methods[0].name = "path";
+  plan.methods[0].settings.integrator = IntegratorKind::path;
+  plan.methods[0].budgets = levels_about(bench.path_samples);
+  plan.methods[1].name = "pssmlt";
+  plan.methods[1].settings.integrator = IntegratorKind::pssmlt;
+  plan.methods[1].budgets = levels_about(bench.mutations);
   plan.replicates = quick_bench() ? 1 : kReplicatesOfAll;
   plan.request.width = reference.image.width;
   plan.request.height = reference.image.height;
@@ -85,7 +90,7 @@ BenchRow time_row(const ConvergeRun& run, std::size_t method, const BenchScene& 
 }
 
 BenchRow rate_row(const ConvergeRun& run, std::size_t method, const BenchScene& bench) {
-  const bool metropolis = run.methods[method].kind == IntegratorKind::pssmlt;
+  const bool metropolis = run.methods[method].settings.integrator == IntegratorKind::pssmlt;
   BenchRow row{metropolis ? "PSSMLT mutations" : "path-tracer samples", bench.name, "M/s"};
   const double pixels = double{1} * run.width * run.height;
   for (std::uint32_t replicate = 0; replicate < run.replicates; ++replicate) {
@@ -120,10 +125,5 @@ int run() {
 }  // namespace mlt::test
 
 int main() {
-  try {
-    return mlt::test::run();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
+  return mlt::test::run_bench(&mlt::test::run);
 }
