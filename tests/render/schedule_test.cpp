@@ -99,6 +99,20 @@ TEST_CASE("materials that no shape uses change nothing: not a bit, not a byte of
   }
 }
 
+TEST_CASE("roulette starts by default where the results say, by integrator, and never behind the last edge") {
+  const SceneDescription scene = cornell_box();
+  const auto edge = [&scene](IntegratorKind kind, std::uint32_t depth) {
+    RenderRequest request;
+    request.integrator = kind;
+    request.depth = depth;
+    return resolve_job(request, scene).roulette;
+  };
+  CHECK(edge(IntegratorKind::pssmlt, 24) == 4);
+  CHECK(edge(IntegratorKind::path, 25) == 24);
+  CHECK(edge(IntegratorKind::pssmlt, 4) == 0);
+  CHECK(edge(IntegratorKind::path, 24) == 0);
+}
+
 TEST_CASE("info names the features that were found and those that were skipped") {
   const RenderRequest request = small_request(IntegratorKind::pssmlt, 16, 8, 4);
   const SceneDescription plain_scene = cornell_box();
