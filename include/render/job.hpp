@@ -43,8 +43,8 @@ inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< pat
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::size_t kDefaultFilmMemory = std::size_t{10} << 20;  ///< bytes
 inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;         ///< pixels
-/// First path edges that Russian roulette may end (docs/RESULTS.md): chains gained or were alike with the 4th;
-/// the path tracer gained or was alike without roulette, in scenes of up to 24 edges.
+/// First path edges that Russian roulette may end (docs/RESULTS.md): chains gained or were alike with the
+/// 4th; the path tracer gained or was alike without roulette, in scenes of up to 24 edges.
 inline constexpr std::uint32_t kDefaultRouletteEdgePssmlt = 4;
 inline constexpr std::uint32_t kDefaultRouletteEdgePath = 24;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
