@@ -96,11 +96,26 @@ $(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
 endef
 $(foreach s,$(EXTRA_SETS),$(eval $(call KERNEL_SET,$(s))))
 
-$(OUT)/src/render/instruction_set.o: CONTRACT += $(if $(filter avx2,$(EXTRA_SETS)),-DMLT_HAS_AVX2)
-$(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) | deps
+# Two thirds of the time that a source takes to compile go to headers of the library and fmt. g++ reads them
+# precompiled; other compilers, which the tests run with too, see to it that a source includes what it uses. In what
+# is precompiled g++ forgets which headers are the system's, and shows warnings about joined strings that are not
+# true (gcc bug 105651).
+USE_PCH     := $(if $(findstring clang,$(CXX))$(findstring aarch64,$(CXX)),,yes)
+PCH_HEADERS := algorithm array atomic bit cmath cstdint filesystem limits memory optional span string string_view \
+               vector fmt/core.h
+SOURCE_PCH  := $(if $(USE_PCH),$(OUT)/sources.hpp.gch)
+READ_PCH     = -include $(OUT)/$(1).hpp -Wno-array-bounds -Wno-stringop-overflow
+$(OUT)/sources.hpp.gch: $(FLAGS_FILE) | deps
+	$(SAY) "  compile $@"
+	@printf '#include <%s>\n' $(PCH_HEADERS) > $(OUT)/sources.hpp
+	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/sources.hpp -o $@
+
+# Private: what is precompiled for this source is so for all.
+$(OUT)/src/render/instruction_set.o: private CONTRACT += $(if $(filter avx2,$(EXTRA_SETS)),-DMLT_HAS_AVX2)
+$(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) $(SOURCE_PCH) | deps
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(call READ_PCH,sources)) -c $< -o $@
 
 # Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
 # compiled without warnings.
@@ -113,20 +128,18 @@ $(OUT)/tests/%.o: OPT := $(TEST_OPT)
 $(OUT)/tests/bench/%.o: OPT := $(VARIANT_OPT)
 $(OUT)/tests/repro/%.o: OPT := $(VARIANT_OPT)
 # Catch's header takes a third of a test's time to compile. g++ reads it precompiled, for tests that have the
-# flags of most; what is not a Catch test does without. In what is precompiled g++ forgets which headers are the
-# system's, and shows warnings about joined strings that are not true (gcc bug 105651).
-PCH      := $(if $(findstring clang,$(CXX))$(findstring aarch64,$(CXX)),,$(OUT)/tests.hpp.gch)
-USE_PCH  := $(if $(PCH),-include $(OUT)/tests.hpp -Wno-array-bounds -Wno-stringop-overflow)
+# flags of most; what is not a Catch test does without.
+TEST_PCH := $(if $(USE_PCH),$(OUT)/tests.hpp.gch)
 NO_CATCH := $(addprefix $(OUT)/tests/,bench/% repro/% fuzz/% support/catch_main.o golden/make_refs.o golden/golden.o)
 $(OUT)/tests.hpp.gch: OPT := $(TEST_OPT)
 $(OUT)/tests.hpp.gch: $(FLAGS_FILE) | deps-test
 	$(SAY) "  compile $@"
-	@echo '#include <catch2/catch.hpp>' > $(OUT)/tests.hpp
+	@printf '#include <%s>\n' $(PCH_HEADERS) catch2/catch.hpp > $(OUT)/tests.hpp
 	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/tests.hpp -o $@
-$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) $(PCH) | deps-test
+$(OUT)/tests/%.o: tests/%.cpp $(FLAGS_FILE) $(TEST_PCH) | deps-test
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) $(if $(filter-out $(NO_CATCH),$@),$(USE_PCH)) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(TEST_PCH),$(if $(filter-out $(NO_CATCH),$@),$(call READ_PCH,tests))) -c $< -o $@
 
 # What a target needs of the system; does nothing when it is there (tools/install_deps.sh).
 deps:
