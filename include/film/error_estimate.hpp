@@ -4,10 +4,9 @@
 // its mean over the image a good one.
 //
 // The halves of a low-discrepancy sequence complement each other, and their difference overstates the
-// variance. With V(n) the variance of the mean of n samples, the halves' difference tells V(n/2) - V(n) and
-// those of the quarters V(n/4) - V(n/2). With V(n) = a/n + b/n^2, a part that stratification does not help
-// and one that it does, V(n) is (5 - q) / 3 times the first, q being the ratio of the second to the first;
-// independent samples have q = 2 and a factor of 1.
+// variance, by a factor that no law tells beforehand (docs/ESTIMATOR.md). So every 16th pixel has two
+// independent sequences (pixel_film.hpp), and the ratio of their squared difference to that of the halves in
+// the same pixels is the factor for all. Independent samples have a factor of 1.
 //
 // What no path has found yet is in no part: the estimate cannot know of it.
 #pragma once
@@ -33,28 +32,36 @@ constexpr int half_of(std::uint64_t index, std::uint64_t count) {
   return index % 2 == 0 ? 1 : -1;
 }
 
-/// The quarter, 0 to 3, that sample `index` of a sequence of `count` belongs to; 4 for the last count % 4.
-constexpr std::uint64_t quarter_of(std::uint64_t index, std::uint64_t count) {
-  const std::uint64_t size = count / 4;
-  return size > 0 && index / size < 4 ? index / size : 4;
+/// The half of a sequence of `count` samples that sample `index` belongs to: 1 for the first, -1 for the
+/// second, 0 for the last of an odd number.
+constexpr int half_of_sequence(std::uint64_t index, std::uint64_t count) {
+  const std::uint64_t size = count / 2;
+  return index < size ? 1 : index < 2 * size ? -1 : 0;
 }
 
-/// Squared differences by channel, in squared radiance: V(n/2) - V(n) and V(n/4) - V(n/2) in the notation
-/// above.
+/// Squared differences by channel, in squared radiance.
 struct PixelDifferences {
   double halves[3] = {0, 0, 0};
-  double quarters[3] = {0, 0, 0};  ///< equal to `halves` where there is no sequence
+  double sequences[3] = {0, 0, 0};  ///< 0 where there is one sequence, or chains
+  bool has_sequences = false;
 };
 
 /// `scale` turns sums into radiance: of a Metropolis film, pixels * weight_b / (mutations * 2^bits), of a
-/// path tracer's 1 / samples.
+/// path tracer's 1 / samples, of which the pixel has `sequences` (1 or 2) times as many.
 PixelDifferences pixel_differences(const FilmPixel& pixel, double scale);
-PixelDifferences pixel_differences(const PixelSum& pixel, double scale);
+PixelDifferences pixel_differences(const PixelSum& pixel, double scale, std::uint32_t sequences);
 
 /// Sums over pixels, relative to their radiance: means over channels of difference / (radiance^2 + 0.01).
 struct ErrorSums {
   double halves = 0;
-  double quarters = 0;
+  double paired_halves = 0;     ///< of the pixels with two sequences alone
+  double paired_sequences = 0;  ///< of these, the difference between sequences
+
+  void add(const ErrorSums& other) {
+    halves += other.halves;
+    paired_halves += other.paired_halves;
+    paired_sequences += other.paired_sequences;
+  }
 };
 
 /// What pixel (x, y) adds. Its radiance is taken to be the mean of its 5 x 5 neighbours without itself: a
@@ -71,12 +78,12 @@ std::vector<Vec3> smooth_standard_errors(std::span<const PixelDifferences> diffe
 struct ErrorEstimate {
   double rel_mse = 0;
   double standard_error = 0;  ///< of rel_mse, from the spread over blocks; of one block, all of it
-  double factor = 1;          ///< (5 - q) / 3 above, 1/2 to 1
-  bool known = false;         ///< false without two halves or four quarters
+  double factor = 1;          ///< variance over that of the halves' difference
+  bool known = false;         ///< false without two halves
 };
 
-/// From the sums over blocks of pixels; `is_sequence` asks for the factor to be found. Blocks of different
-/// brightness differ for other reasons than chance too, so the standard error is rather too large.
-ErrorEstimate estimate_error(std::span<const ErrorSums> blocks, std::uint64_t pixels, bool is_sequence);
+/// From the sums over blocks of pixels. Blocks of different brightness differ for other reasons than chance
+/// too, so the standard error is rather too large.
+ErrorEstimate estimate_error(std::span<const ErrorSums> blocks, std::uint64_t pixels);
 
 }  // namespace mlt

@@ -23,8 +23,15 @@ inline constexpr std::uint32_t kTileSide = 16;  ///< pixels; the path tracer's u
 
 /// What the path tracer counts for each tile.
 struct TileStatistics {
-  LuminanceMoments luminance;
+  LuminanceMoments luminance;  ///< of the first sequence of every pixel
   DefectCounts defects;
+  std::uint64_t samples = 0;
+
+  void add(const TileStatistics& other) {
+    luminance.add(other.luminance);
+    defects.add(other.defects);
+    samples += other.samples;
+  }
 };
 
 /// Storage of one worker, its own but for the film.

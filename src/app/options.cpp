@@ -77,7 +77,10 @@ void add_job_options(std::vector<OptionSpec>& table) {
       fmt::format("{}. Default: {}", list_of(integrator_kinds()),
                   name_of(integrator_kinds(), defaults.integrator)));
   add("--spp", "N",
-      fmt::format("work per pixel: samples (path) or mutations (pssmlt), 1 to {}", kMaxSamplesPerPixel));
+      fmt::format(
+          "work per pixel: samples (path; every 16th pixel takes twice as many, which tells the image's "
+          "error) or mutations (pssmlt), 1 to {}",
+          kMaxSamplesPerPixel));
   add("--mutations", "N", "another name of --spp; only one of the two may be given");
   add("--rounds", "N",
       fmt::format(

@@ -6,8 +6,6 @@
 namespace mlt {
 namespace {
 
-/// Where samples converge faster than the law assumes, the factor is no longer known.
-constexpr double kLeastFactor = 0.5;
 constexpr std::uint32_t kReach = 2;  ///< neighbours within so many columns and rows
 
 /// Calls visit(index) for each pixel around (x, y), itself included.
@@ -40,19 +38,18 @@ PixelDifferences pixel_differences(const FilmPixel& pixel, double scale) {
   PixelDifferences differences;
   for (int c = 0; c < 3; ++c) {
     const double difference = scale * static_cast<double>(pixel.difference[c]);
-    differences.halves[c] = differences.quarters[c] = difference * difference;
+    differences.halves[c] = difference * difference;
   }
   return differences;
 }
 
-PixelDifferences pixel_differences(const PixelSum& pixel, double scale) {
+PixelDifferences pixel_differences(const PixelSum& pixel, double scale, std::uint32_t sequences) {
   PixelDifferences differences;
-  const double squared = scale * scale;
+  const double own = scale / sequences;
+  differences.has_sequences = sequences > 1;
   for (int c = 0; c < 3; ++c) {
-    const double first = pixel.first_quarters[c], last = pixel.last_quarters[c];
-    differences.halves[c] = squared * pixel.halves[c] * pixel.halves[c];
-    // Half as many samples, so sums count twice, and the mean over both halves.
-    differences.quarters[c] = squared * 2.0 * (first * first + last * last);
+    differences.halves[c] = own * own * pixel.halves[c] * pixel.halves[c];
+    if (sequences > 1) differences.sequences[c] = own * own * pixel.sequences[c] * pixel.sequences[c];
   }
   return differences;
 }
@@ -64,8 +61,9 @@ ErrorSums relative_differences(const ImageView& image, std::uint32_t x, std::uin
   for (int c = 0; c < 3; ++c) {
     const double weight = 1.0 / (3.0 * (around[c] * around[c] + kRelativeErrorOffset));
     sums.halves += differences.halves[c] * weight;
-    sums.quarters += differences.quarters[c] * weight;
+    sums.paired_sequences += differences.sequences[c] * weight;
   }
+  if (differences.has_sequences) sums.paired_halves = sums.halves;
   return sums;
 }
 
@@ -85,27 +83,28 @@ std::vector<Vec3> smooth_standard_errors(std::span<const PixelDifferences> diffe
   return errors;
 }
 
-ErrorEstimate estimate_error(std::span<const ErrorSums> blocks, std::uint64_t pixels, bool is_sequence) {
+ErrorEstimate estimate_error(std::span<const ErrorSums> blocks, std::uint64_t pixels) {
   ErrorEstimate estimate;
   if (blocks.empty() || pixels == 0) return estimate;
   const double count = static_cast<double>(blocks.size());
   ErrorSums sum;
-  for (const ErrorSums& block : blocks) {
-    sum.halves += block.halves;
-    sum.quarters += block.quarters;
-  }
+  for (const ErrorSums& block : blocks) sum.add(block);
+  const bool is_paired = sum.paired_halves > 0.0;
+  if (is_paired) estimate.factor = sum.paired_sequences / sum.paired_halves;
+  // The estimate is halves * sequences / paired halves; to first order, this is what a block adds to it.
   double squares = 0;
   for (const ErrorSums& block : blocks) {
-    squares += (block.halves - sum.halves / count) * (block.halves - sum.halves / count);
-  }
-  if (is_sequence && sum.halves > 0.0) {
-    estimate.factor = std::clamp((5.0 - sum.quarters / sum.halves) / 3.0, kLeastFactor, 1.0);
+    double deviation = estimate.factor * (block.halves - sum.halves / count);
+    if (is_paired) {
+      deviation +=
+          sum.halves / sum.paired_halves * (block.paired_sequences - estimate.factor * block.paired_halves);
+    }
+    squares += deviation * deviation;
   }
   estimate.rel_mse = estimate.factor * sum.halves / static_cast<double>(pixels);
   estimate.standard_error = estimate.rel_mse;
   if (blocks.size() > 1) {
-    estimate.standard_error =
-        estimate.factor * std::sqrt(squares * count / (count - 1.0)) / static_cast<double>(pixels);
+    estimate.standard_error = std::sqrt(squares * count / (count - 1.0)) / static_cast<double>(pixels);
   }
   estimate.known = true;
   return estimate;

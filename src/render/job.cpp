@@ -69,9 +69,9 @@ void resolve_rounds(const RenderRequest& request, RequestChecker& checker, Rende
   const std::uint64_t most = std::max<std::uint64_t>(
       1, (metropolis ? kMaxMutations / pixels : kMaxSamplesPerPixel) / job.samples_per_pixel);
   const bool ends = request.target_error || request.seconds;
-  checker.check(!request.target_error || metropolis || job.samples_per_pixel >= 4, "--target-error",
+  checker.check(!request.target_error || metropolis || job.samples_per_pixel >= 2, "--target-error",
                 "rounds of " + std::to_string(job.samples_per_pixel) + " samples a pixel",
-                "at least 4, whose differences tell the error");
+                "at least 2, whose differences tell the error");
   job.max_rounds = request.rounds.value_or(ends ? most : 1);
   if (request.max_per_pixel) {
     checker.check(*request.max_per_pixel >= job.samples_per_pixel, "--max-mutations",

@@ -68,20 +68,22 @@ void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStora
   PixelSum& sum = storage.pixels[pixel];
   ReplayContext& context = replay_context();
   const std::uint64_t count = storage.job.samples_per_pixel;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    context.step = i;
-    sampler.start(x, y, static_cast<std::uint32_t>(i), storage.round);
-    integrator.evaluate(sampler, [&](const Splat& splat) {
-      MLT_CHECK_OP(splat.pixel, ==, pixel);
-      if (statistics.defects.reject(splat.value)) {
-        statistics.luminance.add(0.0);
-        return;
-      }
-      sum.add(splat.value, quarter_of(i, count));
-      statistics.luminance.add(luminance(splat.value));
-    });
+  const std::uint32_t sequences = sequences_in(x, y);
+  for (std::uint32_t sequence = 0; sequence < sequences; ++sequence) {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      context.step = sequence * count + i;
+      sampler.start(x, y, static_cast<std::uint32_t>(i), 2 * storage.round + sequence);
+      integrator.evaluate(sampler, [&](const Splat& splat) {
+        MLT_CHECK_OP(splat.pixel, ==, pixel);
+        const bool rejected = statistics.defects.reject(splat.value);
+        if (!rejected) sum.add(splat.value, half_of_sequence(i, count), sequence == 0 ? 1 : -1);
+        // The mean over the image weighs pixels alike, so the second sequence stays out of it.
+        if (sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
+      });
+    }
   }
-  storage.image[pixel] = develop_pixel(sum, (storage.round + 1) * count);
+  statistics.samples += sequences * count;
+  storage.image[pixel] = develop_pixel(sum, (storage.round + 1) * sequences * count);
 }
 
 template <FeatureMask kFeatures>
@@ -107,10 +109,8 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
       render_pixel(integrator, storage, sampler, x, y, statistics);
     }
   }
-  storage.tiles[tile].luminance.add(statistics.luminance);
-  storage.tiles[tile].defects.add(statistics.defects);
-  storage.done.fetch_add(std::uint64_t{last_x - first_x} * (last_y - first_y) * job.samples_per_pixel,
-                         std::memory_order_relaxed);
+  storage.tiles[tile].add(statistics);
+  storage.done.fetch_add(statistics.samples, std::memory_order_relaxed);
 }
 
 template <FeatureMask kFeatures>

@@ -187,7 +187,8 @@ void Renderer::State::develop_metropolis(const ChainStatistics& total) {
 }
 
 void Renderer::State::render_path() {
-  progress_total = plan.pixel_count() * plan.job.samples_per_pixel * plan.job.max_rounds;
+  const RenderJob& job = plan.job;
+  progress_total = sequences_in_film(job.width, job.height) * job.samples_per_pixel * job.max_rounds;
   const std::uint64_t tiles = storage.tiles.size();
   storage.stop = stop;
   do {
@@ -198,15 +199,13 @@ void Renderer::State::render_path() {
 }
 
 void Renderer::State::collect_path() {
-  LuminanceMoments moments;
-  for (const TileStatistics& tile : storage.tiles) {
-    moments.add(tile.luminance);
-    add_defects(statistics, tile.defects);
-  }
-  statistics.samples = moments.count;
-  statistics.b = moments.mean();
-  statistics.b_standard_error = moments.standard_error();
-  statistics.black = !(moments.sum > 0.0);
+  TileStatistics total;
+  for (const TileStatistics& tile : storage.tiles) total.add(tile);
+  add_defects(statistics, total.defects);
+  statistics.samples = total.samples;
+  statistics.b = total.luminance.mean();
+  statistics.b_standard_error = total.luminance.standard_error();
+  statistics.black = !(total.luminance.sum > 0.0);
 }
 
 struct EstimateContext {
@@ -218,9 +217,12 @@ struct EstimateContext {
 };
 
 PixelDifferences differences_of(const EstimateContext& context, std::size_t pixel) {
-  PixelDifferences differences = context.is_metropolis
-                                     ? pixel_differences(context.storage.films[pixel], context.scale)
-                                     : pixel_differences(context.storage.pixels[pixel], context.scale);
+  const auto x = static_cast<std::uint32_t>(pixel % context.image.width);
+  const auto y = static_cast<std::uint32_t>(pixel / context.image.width);
+  PixelDifferences differences =
+      context.is_metropolis
+          ? pixel_differences(context.storage.films[pixel], context.scale)
+          : pixel_differences(context.storage.pixels[pixel], context.scale, sequences_in(x, y));
   for (int c = 0; c < 3; ++c) {
     const double common = static_cast<double>(context.image.pixels[pixel][c]) * context.b_relative_error;
     differences.halves[c] += common * common;
@@ -236,9 +238,7 @@ void estimate_unit(void* context, std::uint32_t, std::uint64_t unit) {
   for (std::size_t i = first; i < last; ++i) {
     const auto x = static_cast<std::uint32_t>(i % own.image.width);
     const auto y = static_cast<std::uint32_t>(i / own.image.width);
-    const ErrorSums pixel = relative_differences(own.image, x, y, differences_of(own, i));
-    sum.halves += pixel.halves;
-    sum.quarters += pixel.quarters;
+    sum.add(relative_differences(own.image, x, y, differences_of(own, i)));
   }
   own.storage.error_blocks[unit] = sum;
 }
@@ -256,11 +256,11 @@ EstimateContext Renderer::State::error_context() const {
 }
 
 void Renderer::State::estimate() {
-  const bool has_parts = plan.is_metropolis() ? plan.job.chains > 1 : plan.job.samples_per_pixel >= 4;
+  const bool has_parts = plan.is_metropolis() ? plan.job.chains > 1 : plan.job.samples_per_pixel >= 2;
   if (!has_parts || statistics.partial || (plan.is_metropolis() && normalisation.mutations == 0)) return;
   EstimateContext context = error_context();
   pool.run(Phase{"estimate", &estimate_unit, &context, plan.pixel_units(), false}, *stop, nullptr, nullptr);
-  statistics.error = estimate_error(storage.error_blocks, plan.pixel_count(), !plan.is_metropolis());
+  statistics.error = estimate_error(storage.error_blocks, plan.pixel_count());
 }
 
 Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)

@@ -209,7 +209,7 @@ TEST_CASE("developing multiplies the Metropolis sums by b, the uniform sums by t
 
 TEST_CASE("a pixel's samples are summed in double and averaged") {
   PixelSum sum;
-  for (int i = 0; i < 1000000; ++i) sum.add(Vec3{0.1f, 1e-3f, 4}, 4);
+  for (int i = 0; i < 1000000; ++i) sum.add(Vec3{0.1f, 1e-3f, 4}, 0, 1);
   const Vec3 mean = develop_pixel(sum, 1000000);
   // A float sum would be off by percents; double by less than half a unit of a float's last place.
   CHECK(mean == Vec3{0.1f, 1e-3f, 4});
