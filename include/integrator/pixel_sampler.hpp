@@ -1,18 +1,32 @@
 // The path tracer's samples: within each pixel, every pair of dimensions is an Owen-scrambled Sobol' (0,2)
 // sequence, and pairs are decorrelated from each other and from other pixels by nested uniform shuffles
-// [Burley20]. A pure function of (seed, pixel, sample index, dimension).
+// [Burley20]. A pure function of (seed, pixel, sample index, dimension). Samples are consumed in the order of
+// their indices, so a dimension is computed for eight of them at once, in SIMD lanes, when the first asks for
+// it.
 #pragma once
 
 #include <cstdint>
 
 #include "integrator/sampler.hpp"
 #include "math/rng.hpp"
+#include "math/simd.hpp"
 #include "math/vec.hpp"
 
 namespace mlt {
 
-constexpr std::uint32_t reverse_bits(std::uint32_t x) {
-  x = __builtin_bswap32(x);
+// The functions below take std::uint32_t or LaneUint, whose lanes they treat alike.
+
+constexpr std::uint32_t swap_bytes(std::uint32_t x) {
+  return __builtin_bswap32(x);
+}
+MLT_INLINE LaneUint swap_bytes(LaneUint x) {
+  x = (x >> 16) | (x << 16);
+  return ((x >> 8) & 0x00ff00ffU) | ((x & 0x00ff00ffU) << 8);
+}
+
+template <class Bits>
+MLT_INLINE constexpr Bits reverse_bits(Bits x) {
+  x = swap_bytes(x);
   x = ((x >> 4) & 0x0f0f0f0fU) | ((x & 0x0f0f0f0fU) << 4);
   x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
   return ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
@@ -21,7 +35,8 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
 /// Hash in which each bit is influenced by lower bits only [Laine11]; on bit-reversed numbers it is an Owen
 /// scramble. The constants are those of [Vegdahl21], which pass its statistical comparison with true
 /// scrambling better than the original ones.
-constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
+template <class Bits>
+MLT_INLINE constexpr Bits laine_karras(Bits x, std::uint32_t seed) {
   x ^= x * 0x3d20adeaU;
   x += seed;
   x *= (seed >> 16) | 1U;
@@ -33,7 +48,8 @@ constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
 /// The second dimension of the Sobol' sequence with its 32 fraction bits reversed; the first, so reversed, is
 /// the index itself [Kollig02]. The generator matrix is Pascal's triangle modulo 2, the product of five
 /// sparse matrices.
-constexpr std::uint32_t reversed_sobol_second(std::uint32_t index) {
+template <class Bits>
+MLT_INLINE constexpr Bits reversed_sobol_second(Bits index) {
   index ^= (index & 0xffff0000U) >> 16;
   index ^= (index & 0xff00ff00U) >> 8;
   index ^= (index & 0xf0f0f0f0U) >> 4;
@@ -54,69 +70,128 @@ class PixelSampler : public FloatSamples<PixelSampler> {
 
   /// Sample `sample` of the pixel's sequence number `sequence`; sequences are independent.
   void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence = 0) {
-    x_ = x;
-    y_ = y;
-    reversed_sample_ = reverse_bits(sample);
+    const bool is_new = sequence_stamp_ == 0 || x != x_ || y != y_ || sequence != sequence_;
+    if (is_new) start_sequence(x, y, sequence);
+    if (is_new || sample / kBlock != block_) start_block(sample / kBlock);
+    lane_ = sample % kBlock;
     dimension_ = 0;
-    pixel_key_ = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
-    if (sequence != 0) pixel_key_ = mix64(pixel_key_ + 0xd1b54a32d192ed03ULL * sequence);
   }
 
   std::uint32_t next_fixed() {
-    if (dimension_ < 2) return next_film_coordinate();
-    const std::uint64_t key = dimension_key();
-    dimension_ += 1;
-    return reverse_bits(laine_karras(shuffled_index(key), static_cast<std::uint32_t>(key >> 32)));
+    const std::uint32_t dimension = dimension_++;
+    if (dimension == 0) return film_coordinate(x_, width_, last_x_, film_.first[lane_]);
+    if (dimension == 1) return film_coordinate(y_, height_, last_y_, film_.second[lane_]);
+    return samples_of(dimension, Kind::single).first[lane_];
   }
 
   Vec2 next_2d() {
-    const std::uint64_t key = dimension_key();
+    const Samples& samples = samples_of(dimension_, Kind::pair);
     dimension_ += 2;
-    const PairSample pair = sobol_pair(key);
-    return Vec2{unit_float(pair.first), unit_float(pair.second)};
+    return Vec2{unit_float(samples.first[lane_]), unit_float(samples.second[lane_])};
   }
 
   void skip(std::uint32_t count) { dimension_ += count; }
 
  private:
-  struct PairSample {
-    std::uint32_t first, second;
+  static constexpr std::uint32_t kBlock = 8;  ///< samples computed together
+  /// Dimensions beyond it, which few paths reach, share one place.
+  static constexpr std::uint32_t kRemembered = 128;
+  static_assert(kBlock % kLanes == 0);
+
+  enum class Kind : std::uint8_t { none, single, pair };
+
+  /// A dimension of a block of samples, or a pair of them.
+  struct Samples {
+    alignas(sizeof(LaneUint)) std::uint32_t first[kBlock];
+    std::uint32_t second[kBlock];  ///< of a pair
+    std::uint64_t key = 0;         ///< hash of the dimension, the same for all blocks of a sequence
+    std::uint64_t sequence_stamp = 0, block_stamp = 0;  ///< that `key` and the samples belong to
+    std::uint32_t dimension = 0;
+    Kind kind = Kind::none;
   };
 
-  std::uint64_t dimension_key() const { return mix64(pixel_key_ + 0x9e3779b97f4a7c15ULL * (dimension_ + 1)); }
-
-  std::uint32_t shuffled_index(std::uint64_t key) const {
-    return reverse_bits(laine_karras(reversed_sample_, static_cast<std::uint32_t>(key))) & index_mask_;
+  void start_sequence(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) {
+    x_ = x;
+    y_ = y;
+    sequence_ = sequence;
+    sequence_stamp_ += 1;
+    last_x_ = last_coordinate(x, width_);
+    last_y_ = last_coordinate(y, height_);
+    sequence_key_ = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
+    if (sequence != 0) sequence_key_ = mix64(sequence_key_ + 0xd1b54a32d192ed03ULL * sequence);
   }
 
-  PairSample sobol_pair(std::uint64_t key) const {
-    const std::uint32_t index = shuffled_index(key);
-    const std::uint64_t scrambles = mix64(key);
-    return {reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))),
-            reverse_bits(
-                laine_karras(reversed_sobol_second(index), static_cast<std::uint32_t>(scrambles >> 32)))};
+  void start_block(std::uint32_t block) {
+    block_ = block;
+    block_stamp_ += 1;
+    for (std::uint32_t lane = 0; lane < kBlock; ++lane)
+      reversed_samples_[lane] = reverse_bits(block * kBlock + lane);
+    film_.key = mix64(sequence_key_);
+    compute(film_, Kind::pair);
+  }
+
+  const Samples& samples_of(std::uint32_t dimension, Kind kind) {
+    Samples& samples = remembered_[dimension < kRemembered ? dimension : kRemembered];
+    if (samples.block_stamp != block_stamp_ || samples.dimension != dimension || samples.kind != kind) {
+      if (samples.sequence_stamp != sequence_stamp_ || samples.dimension != dimension) {
+        samples.sequence_stamp = sequence_stamp_;
+        samples.dimension = dimension;
+        samples.key = mix64(sequence_key_ + 0x9e3779b97f4a7c15ULL * (dimension + 1));
+      }
+      compute(samples, kind);
+    }
+    return samples;
+  }
+
+  void compute(Samples& samples, Kind kind) const {
+    samples.block_stamp = block_stamp_;
+    samples.kind = kind;
+    const std::uint64_t scrambles = kind == Kind::pair ? mix64(samples.key) : samples.key >> 32;
+    for (std::uint32_t i = 0; i < kBlock; i += kLanes) {
+      const LaneUint shuffled =
+          laine_karras(load_lanes(reversed_samples_ + i), static_cast<std::uint32_t>(samples.key));
+      const LaneUint index = reverse_bits(shuffled) & index_mask_;
+      store_lanes(samples.first + i,
+                  reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))));
+      if (kind == Kind::pair) {
+        store_lanes(samples.second + i,
+                    reverse_bits(laine_karras(reversed_sobol_second(index),
+                                              static_cast<std::uint32_t>(scrambles >> 32))));
+      }
+    }
   }
 
   /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at
-  /// or after pixel + jitter, so that multiplying by the width gives back exactly this pixel.
-  std::uint32_t next_film_coordinate() {
-    const std::uint64_t key = mix64(pixel_key_);
-    const PairSample jitter = sobol_pair(key);
-    const std::uint64_t pixel = dimension_ == 0 ? x_ : y_;
-    const std::uint64_t side = dimension_ == 0 ? width_ : height_;
-    const std::uint64_t position = pixel << 32 | (dimension_ == 0 ? jitter.first : jitter.second);
-    dimension_ += 1;
-    const std::uint64_t rounded_up = (position + side - 1) / side;
-    const std::uint64_t last = (((pixel + 1) << 32) - 1) / side;
-    return static_cast<std::uint32_t>(rounded_up < last ? rounded_up : last);
+  /// or after pixel + jitter, so that multiplying by the side gives back exactly this pixel.
+  static std::uint32_t film_coordinate(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
+                                       std::uint32_t jitter) {
+    const std::uint32_t rounded_up = quotient((std::uint64_t{pixel} << 32 | jitter) + side - 1, side);
+    return rounded_up < last ? rounded_up : last;
+  }
+
+  static std::uint32_t last_coordinate(std::uint32_t pixel, std::uint32_t side) {
+    return quotient(((std::uint64_t{pixel} + 1) << 32) - 1, side);
+  }
+
+  /// The integer part of a / b for a < 2^49 and b <= 2^16, by the division of doubles, which takes half the
+  /// time of integers'. A quotient that is no integer is at least 2^-16 below the next one, and below 2^33,
+  /// where doubles are 2^-20 apart: rounding does not reach it.
+  static std::uint32_t quotient(std::uint64_t a, std::uint32_t b) {
+    const double ratio = static_cast<double>(static_cast<std::int64_t>(a)) / static_cast<double>(b);
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(ratio));
   }
 
   std::uint64_t seed_;
   std::uint32_t width_, height_;
   std::uint32_t index_mask_ = 0;
-  std::uint32_t x_ = 0, y_ = 0, reversed_sample_ = 0;
+  std::uint32_t x_ = 0, y_ = 0, last_x_ = 0, last_y_ = 0;
+  std::uint32_t block_ = 0, lane_ = 0;
   std::uint32_t dimension_ = 0;
-  std::uint64_t pixel_key_ = 0;
+  std::uint64_t sequence_ = 0, sequence_key_ = 0;
+  std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
+  alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};
+  Samples film_;
+  Samples remembered_[kRemembered + 1];
 };
 
 }  // namespace mlt
