@@ -165,20 +165,21 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   /// or after pixel + jitter, so that multiplying by the side gives back exactly this pixel.
   static std::uint32_t film_coordinate(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
                                        std::uint32_t jitter) {
-    const std::uint32_t rounded_up = quotient((std::uint64_t{pixel} << 32 | jitter) + side - 1, side);
-    return rounded_up < last ? rounded_up : last;
+    // At the film's end it may be 2^32.
+    const std::uint64_t rounded_up = quotient((std::uint64_t{pixel} << 32 | jitter) + side - 1, side);
+    return rounded_up < last ? static_cast<std::uint32_t>(rounded_up) : last;
   }
 
   static std::uint32_t last_coordinate(std::uint32_t pixel, std::uint32_t side) {
-    return quotient(((std::uint64_t{pixel} + 1) << 32) - 1, side);
+    return static_cast<std::uint32_t>(quotient(((std::uint64_t{pixel} + 1) << 32) - 1, side));
   }
 
   /// The integer part of a / b for a < 2^49 and b <= 2^16, by the division of doubles, which takes half the
   /// time of integers'. A quotient that is no integer is at least 2^-16 below the next one, and below 2^33,
   /// where doubles are 2^-20 apart: rounding does not reach it.
-  static std::uint32_t quotient(std::uint64_t a, std::uint32_t b) {
+  static std::uint64_t quotient(std::uint64_t a, std::uint32_t b) {
     const double ratio = static_cast<double>(static_cast<std::int64_t>(a)) / static_cast<double>(b);
-    return static_cast<std::uint32_t>(static_cast<std::int64_t>(ratio));
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(ratio));
   }
 
   std::uint64_t seed_;
