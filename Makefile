@@ -104,7 +104,7 @@ USE_PCH     := $(if $(findstring clang,$(CXX))$(findstring aarch64,$(CXX)),,yes)
 PCH_HEADERS := algorithm array atomic bit cmath cstdint filesystem limits memory optional span string string_view \
                vector fmt/core.h
 SOURCE_PCH  := $(if $(USE_PCH),$(OUT)/sources.hpp.gch)
-READ_PCH     = -include $(OUT)/$(1).hpp -Wno-array-bounds -Wno-stringop-overflow
+READ_PCH     = -include $(OUT)/$(1).hpp -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread
 $(OUT)/sources.hpp.gch: $(FLAGS_FILE) | deps
 	$(SAY) "  compile $@"
 	@printf '#include <%s>\n' $(PCH_HEADERS) > $(OUT)/sources.hpp

@@ -35,7 +35,6 @@ class ProgressLine {
  private:
   bool enabled_;
   bool shown_ = false;
-  double seconds_before_ = 0;  ///< of the last update without anything done
   const char* unit_;
 };
 

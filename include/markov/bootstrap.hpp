@@ -61,6 +61,12 @@ constexpr std::uint64_t bootstrap_chunk_count(std::uint64_t paths) {
   return (paths + kBootstrapChunk - 1) / kBootstrapChunk;
 }
 
+/// Paths of chunk `chunk_index` when there are `paths` in all: the last chunk may have fewer than others.
+constexpr std::uint64_t bootstrap_chunk_size(std::uint64_t paths, std::uint64_t chunk_index) {
+  const std::uint64_t left = paths - chunk_index * kBootstrapChunk;
+  return left < kBootstrapChunk ? left : kBootstrapChunk;
+}
+
 /// Calls visit(path index, target) for each path of a chunk, in order. The replay context's step is the
 /// path's index, so that a path that fails can be told also when a chain's search for its start evaluates it.
 template <class Integrator, class Visit>
@@ -68,7 +74,7 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
                            std::uint64_t paths, Contribution& contribution, DefectCounts& defects,
                            Visit&& visit) {
   const std::uint64_t first = chunk_index * kBootstrapChunk;
-  const std::uint64_t last = first + kBootstrapChunk < paths ? first + kBootstrapChunk : paths;
+  const std::uint64_t last = first + bootstrap_chunk_size(paths, chunk_index);
   ReplayContext& context = replay_context();
   context.seed = seed;
   context.unit = chunk_index;

@@ -66,7 +66,7 @@ struct RenderStorage {
   std::span<Vec3> image;
   const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
   std::atomic<bool> left_early{false};      ///< a tile was left before its end
-  std::atomic<std::uint64_t> done{0};       ///< samples or mutations finished, raised once a unit
+  std::atomic<std::uint64_t> done{0};       ///< paths finished, raised once a unit
 
   std::size_t film_count() const { return films.size() / image.size(); }
   /// Film `index`; development moves all of them into the first.

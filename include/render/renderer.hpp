@@ -17,7 +17,7 @@
 namespace mlt {
 
 struct RenderProgress {
-  std::uint64_t done = 0;  ///< samples or mutations
+  std::uint64_t done = 0;  ///< samples, or mutations and the bootstrap's paths
   std::uint64_t total = 0;
   double seconds = 0;  ///< since run() began
 };

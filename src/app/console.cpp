@@ -87,13 +87,9 @@ std::size_t format_progress(const RenderProgress& progress, const char* unit, st
 void ProgressLine::update(const RenderProgress& progress, void* context) {
   ProgressLine& line = *static_cast<ProgressLine*>(context);
   if (!line.enabled_) return;
-  // Nothing is counted while chains are seeded; the rate is that of the time since.
-  if (progress.done == 0) line.seconds_before_ = progress.seconds;
-  RenderProgress counted = progress;
-  counted.seconds -= line.seconds_before_;
   char buffer[160] = "\r\x1b[K";
   constexpr std::size_t kStart = sizeof kClearLine - 1;
-  const std::size_t used = format_progress(counted, line.unit_, std::span<char>(buffer).subspan(kStart));
+  const std::size_t used = format_progress(progress, line.unit_, std::span<char>(buffer).subspan(kStart));
   static_cast<void>(write_all(STDERR_FILENO, buffer, kStart + used));
   line.shown_ = true;
 }

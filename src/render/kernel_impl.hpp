@@ -14,6 +14,7 @@ void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chun
   Contribution contribution(own.chain.proposed);
   storage.bootstrap[chunk] = evaluate_bootstrap_chunk(
       integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution, own.bootstrap_defects);
+  storage.done.fetch_add(bootstrap_chunk_size(storage.job.bootstrap, chunk), std::memory_order_relaxed);
 }
 
 inline FillSteps fill_steps_of(MutationKind kind) {

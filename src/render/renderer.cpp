@@ -103,7 +103,7 @@ void Renderer::State::report_progress(void* context) {
 }
 
 void Renderer::State::render_metropolis() {
-  progress_total = storage.mutations * plan.job.max_rounds;
+  progress_total = plan.job.bootstrap + storage.mutations * plan.job.max_rounds;
   const std::uint64_t chunks = storage.bootstrap.size();
   const std::uint64_t chunks_run = run_phase("bootstrap", plan.kernel.bootstrap_chunk, chunks, true);
   statistics.partial = chunks_run < chunks;

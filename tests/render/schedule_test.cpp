@@ -27,10 +27,13 @@ std::string info_value(const Renderer& renderer, const std::string& name) {
   return "no such line";
 }
 
-struct StopAfterStart {
+struct StopAfter {
+  std::uint64_t paths = 0;
   std::atomic<bool> stop{false};
   static void progress(const RenderProgress& progress, void* context) {
-    if (progress.done > 0) static_cast<StopAfterStart*>(context)->stop.store(true);
+    auto& own = *static_cast<StopAfter*>(context);
+    CHECK(progress.done <= progress.total);
+    if (progress.done > own.paths) own.stop.store(true);
   }
 };
 
@@ -195,8 +198,8 @@ TEST_CASE("a stopped render is marked partial, whole up to where it came, and as
   for (request.seed = 50; request.seed < 54; ++request.seed) {
     Renderer renderer(scene, resolve_job(request, scene));
     renderer.prepare();
-    StopAfterStart stopper;
-    const RenderStatistics statistics = renderer.run(stopper.stop, &StopAfterStart::progress, &stopper);
+    StopAfter stopper{*request.bootstrap};
+    const RenderStatistics statistics = renderer.run(stopper.stop, &StopAfter::progress, &stopper);
     CHECK(statistics.partial);
     CHECK(statistics.mutations > 0);
     CHECK(statistics.mutations < 256ULL << 16);
@@ -208,6 +211,21 @@ TEST_CASE("a stopped render is marked partial, whole up to where it came, and as
   INFO("partial " << partial.mean << " +- " << partial.standard_error() << ", full " << full.mean << " +- "
                   << full.standard_error());
   CHECK(welch_t_test(partial, full).p_value > 1e-4);
+}
+
+TEST_CASE("the bootstrap counts as progress and can be stopped") {
+  RenderRequest request = small_request(IntegratorKind::pssmlt, 16, 8, 5);
+  request.bootstrap = 1U << 24;
+  const SceneDescription scene = cornell_box();
+  Renderer renderer(scene, resolve_job(request, scene));
+  renderer.prepare();
+  StopAfter stopper;
+  const RenderStatistics statistics = renderer.run(stopper.stop, &StopAfter::progress, &stopper);
+  CHECK(statistics.partial);
+  CHECK(statistics.mutations == 0);
+  CHECK(statistics.samples > 0);
+  CHECK(statistics.samples < 1U << 24);
+  CHECK(statistics.b > 0.0);
 }
 
 TEST_CASE("a render that is stopped before it begins is black, partial and finite") {
