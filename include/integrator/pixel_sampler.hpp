@@ -98,16 +98,15 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   static constexpr std::uint32_t kRemembered = 128;
   static_assert(kBlock % kLanes == 0);
 
-  enum class Kind : std::uint8_t { none, single, pair };
+  enum class Kind : std::uint8_t { single, pair };
 
   /// A dimension of a block of samples, or a pair of them.
   struct Samples {
     alignas(sizeof(LaneUint)) std::uint32_t first[kBlock];
-    std::uint32_t second[kBlock];  ///< of a pair
-    std::uint64_t key = 0;         ///< hash of the dimension, the same for all blocks of a sequence
-    std::uint64_t sequence_stamp = 0, block_stamp = 0;  ///< that `key` and the samples belong to
-    std::uint32_t dimension = 0;
-    Kind kind = Kind::none;
+    std::uint32_t second[kBlock];      ///< of a pair
+    std::uint64_t key = 0;             ///< hash of the dimension, the same for all blocks of a sequence
+    std::uint64_t sequence_stamp = 0;  ///< that `key` belongs to
+    std::uint64_t tag = 0;             ///< of the block and the kind that the samples belong to
   };
 
   void start_sequence(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) {
@@ -130,22 +129,26 @@ class PixelSampler : public FloatSamples<PixelSampler> {
     compute(film_, Kind::pair);
   }
 
+  std::uint64_t tag_of(Kind kind) const { return block_stamp_ << 1 | static_cast<std::uint64_t>(kind); }
+
   const Samples& samples_of(std::uint32_t dimension, Kind kind) {
-    Samples& samples = remembered_[dimension < kRemembered ? dimension : kRemembered];
-    if (samples.block_stamp != block_stamp_ || samples.dimension != dimension || samples.kind != kind) {
-      if (samples.sequence_stamp != sequence_stamp_ || samples.dimension != dimension) {
-        samples.sequence_stamp = sequence_stamp_;
-        samples.dimension = dimension;
-        samples.key = mix64(sequence_key_ + 0x9e3779b97f4a7c15ULL * (dimension + 1));
-      }
-      compute(samples, kind);
-    }
+    const bool is_remembered = dimension < kRemembered;
+    Samples& samples = remembered_[is_remembered ? dimension : kRemembered];
+    if (samples.tag != tag_of(kind) || !is_remembered) [[unlikely]]
+      compute_dimension(samples, dimension, kind);
     return samples;
   }
 
+  [[gnu::noinline]] void compute_dimension(Samples& samples, std::uint32_t dimension, Kind kind) {
+    if (samples.sequence_stamp != sequence_stamp_ || dimension >= kRemembered) {
+      samples.sequence_stamp = sequence_stamp_;
+      samples.key = mix64(sequence_key_ + 0x9e3779b97f4a7c15ULL * (dimension + 1));
+    }
+    compute(samples, kind);
+  }
+
   void compute(Samples& samples, Kind kind) const {
-    samples.block_stamp = block_stamp_;
-    samples.kind = kind;
+    samples.tag = tag_of(kind);
     const std::uint64_t scrambles = kind == Kind::pair ? mix64(samples.key) : samples.key >> 32;
     for (std::uint32_t i = 0; i < kBlock; i += kLanes) {
       const LaneUint shuffled =
