@@ -40,9 +40,12 @@ CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
 CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g1 -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
-            -Itests
+            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR)
 LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
-LIBS     ?= -lfmt -lpng
+# OpenEXR is optional. Variants that need every object in their own flavour, or another machine's, do without.
+EXR      ?= $(if $(filter release clang,$(VARIANT)),$(if $(wildcard /usr/include/OpenEXR/ImfOutputFile.h),yes))
+IMAGE_LIBS := -lpng $(if $(EXR),-lOpenEXR -lIex)
+LIBS     ?= -lfmt $(IMAGE_LIBS)
 
 # A variant whose flags have changed is built anew: every object depends on this file.
 FLAGS_FILE := $(OUT)/flags
@@ -110,6 +113,7 @@ $(OUT)/sources.hpp.gch: $(FLAGS_FILE) | deps
 	@printf '#include <%s>\n' $(PCH_HEADERS) > $(OUT)/sources.hpp
 	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/sources.hpp -o $@
 
+$(OUT)/src/image/exr.o: private CONTRACT += -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 # Private: what is precompiled for this source is so for all.
 $(OUT)/src/render/instruction_set.o: private CONTRACT += $(if $(filter avx2,$(EXTRA_SETS)),-DMLT_HAS_AVX2)
 $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) $(SOURCE_PCH) | deps
@@ -195,7 +199,7 @@ memcheck: $(OUT)/film_hash scenes
 $(OUT)/test_stress: $(call objects,$(wildcard tests/stress/*.cpp) tests/render/render_fixture.cpp $(SUPPORT)) \
                     $(call stage_objects,render)
 	$(SAY) "  link    $@"
-	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out $(IMAGE_LIBS),$(LIBS)) -o $@
 stress: $(OUT)/test_stress
 	tools/stress.sh $(OUT)
 
@@ -225,7 +229,7 @@ $(OUT)/test_render_fault7: $(patsubst src/%.cpp,$(OUT)/fault7/%.o,$(WEIGHTED)) \
     $(call objects,tests/render/agreement_test.cpp tests/render/render_fixture.cpp $(SUPPORT)) \
     $(filter-out $(KERNEL_SETS) $(call objects,$(WEIGHTED)),$(call stage_objects,render))
 	$(SAY) "  link    $@"
-	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(Q)$(CXX) $(LDFLAGS) $^ $(filter-out $(IMAGE_LIBS),$(LIBS)) -o $@
 planted-weight: $(OUT)/test_render_fault7
 	tools/planted_weight_test.sh $(OUT)
 
@@ -235,7 +239,7 @@ planted-weight: $(OUT)/test_render_fault7
 # -rdynamic lets the preloaded malloc guard see the mark of the render zone.
 $(OUT)/film_hash: $(call objects,tests/repro/film_hash.cpp) $(call stage_objects,render)
 	$(SAY) "  link    $@"
-	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out $(IMAGE_LIBS),$(LIBS)) -o $@
 
 # The same with a fault planted in the render loop (include/base/planted_fault.hpp).
 PLANTED := $(OUT)/src/render/worker_pool.o
@@ -246,7 +250,7 @@ $(OUT)/fault%/worker_pool.o: src/render/worker_pool.cpp $(FLAGS_FILE)
 $(OUT)/film_hash_fault%: $(OUT)/fault%/worker_pool.o $(call objects,tests/repro/film_hash.cpp) \
                          $(filter-out $(PLANTED),$(call stage_objects,render))
 	$(SAY) "  link    $@"
-	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out -lpng,$(LIBS)) -o $@
+	$(Q)$(CXX) $(LDFLAGS) -rdynamic $^ $(filter-out $(IMAGE_LIBS),$(LIBS)) -o $@
 
 $(OUT)/malloc_guard.so: tests/proof/malloc_guard.cpp $(FLAGS_FILE) | deps
 	$(SAY) "  link    $@"

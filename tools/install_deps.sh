@@ -39,6 +39,7 @@ check() {
     extra)
       need clang tool clang++
       need libclang-rt-14-dev clang_runtime
+      need libopenexr-dev header OpenEXR/ImfOutputFile.h
       need clang-format tool clang-format
       need clang-tidy tool clang-tidy
       need qemu-user tool qemu-aarch64

@@ -7,10 +7,19 @@
 
 namespace mlt {
 
+/// A format that not every build has.
+#if defined(MLT_HAS_OPENEXR)
+#define MLT_EXR_FORMAT(X) \
+  X(exr, "OpenEXR: 32-bit float, linear radiance as rendered, compressed, with metadata")
+#else
+#define MLT_EXR_FORMAT(X)
+#endif
+
 /// name (the extension is the name with a dot), one-line description for the help text.
-#define MLT_IMAGE_FORMATS(X)                                                   \
-  X(png, "8 bits a channel, sRGB, brightened by --exposure, clipped to [0,1]") \
-  X(pfm, "32-bit float, linear radiance as rendered, for measuring and comparing")
+#define MLT_IMAGE_FORMATS(X)                                                       \
+  X(png, "8 bits a channel, sRGB, brightened by --exposure, clipped to [0,1]")     \
+  X(pfm, "32-bit float, linear radiance as rendered, for measuring and comparing") \
+  MLT_EXR_FORMAT(X)
 
 enum class ImageFormat : std::uint8_t {
 #define MLT_ENUMERATE(name, help) name,

@@ -20,7 +20,7 @@ struct TextEntry {
 
 struct ImageOptions {
   float exposure = 0;               ///< EV: PNG values are multiplied by 2^exposure before encoding
-  std::vector<TextEntry> metadata;  ///< stored by formats that can (PNG)
+  std::vector<TextEntry> metadata;  ///< stored by formats that can (PNG, OpenEXR)
 };
 
 /// Writes `image` in the format that `path` names. Throws InputError when the place cannot be written,
@@ -68,5 +68,15 @@ inline constexpr std::uint64_t kMaxPngPixels = std::uint64_t{1} << 27;
 /// values in [0,1], whatever colour space its chunks name. Throws InputError for a file that libpng cannot
 /// read, for transparent pixels, whose colour would depend on what lies behind, and beyond kMaxPngPixels.
 LoadedImage read_png(const std::string& path);
+
+#if defined(MLT_HAS_OPENEXR)
+/// OpenEXR [Kainz09]: channels R, G and B of 32-bit float, compressed without loss; text in string
+/// attributes.
+void write_exr(const std::string& path, const ImageView& image, const ImageOptions& options);
+
+/// Reads the data window of an OpenEXR image's first part: channels R, G and B, or Y, one sample a pixel, of
+/// any type and compression; others are ignored. Throws InputError for anything else.
+LoadedImage read_exr(const std::string& path);
+#endif
 
 }  // namespace mlt

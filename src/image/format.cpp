@@ -51,6 +51,14 @@ ImageFormat image_format_of(const std::string& path) {
 #undef MLT_MATCH
   const std::string found =
       extension.empty() ? "the name has no extension" : "unknown image format '" + extension + "'";
+#if !defined(MLT_HAS_OPENEXR)
+  if (extension == ".exr") {
+    throw InputError(Diagnostic{path, 0, 0,
+                                "this build has no OpenEXR (build it again with libopenexr-dev installed); "
+                                "expected one of " +
+                                    image_extensions()});
+  }
+#endif
   const std::string hint = suggest(extension, extensions());
   throw InputError(Diagnostic{
       path, 0, 0,

@@ -44,6 +44,10 @@ void write_image(const std::string& path, const ImageView& image, const ImageOpt
       return write_png(path, image, options);
     case ImageFormat::pfm:
       return write_pfm(path, image);
+#if defined(MLT_HAS_OPENEXR)
+    case ImageFormat::exr:
+      return write_exr(path, image, options);
+#endif
   }
 }
 

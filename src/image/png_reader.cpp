@@ -141,6 +141,10 @@ LoadedImage read_image(const std::string& path) {
       return read_png(path);
     case ImageFormat::pfm:
       return read_pfm(path);
+#if defined(MLT_HAS_OPENEXR)
+    case ImageFormat::exr:
+      return read_exr(path);
+#endif
   }
   return {};
 }
