@@ -171,9 +171,9 @@ template <bool kGeneral>
     for (const FlatList& list : flat_lists_) {
       best.visit_flat(list, FlatRay(ray, lanes, extent_), ray, frame.shear, frame.slabs);
     }
-    best.visit_list(quads_, frame);
-    best.visit_list(spheres_, frame);
     best.visit_list(triangles_, frame);
+    best.visit_list(spheres_, frame);
+    best.visit_list(quads_, frame);
   } else if constexpr (!kFlatBounds) {
     best.visit_blocks(quads_, RayFrame(ray, lanes, extent_));
   } else {
