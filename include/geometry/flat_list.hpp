@@ -41,9 +41,10 @@ namespace mlt {
 
 /// kLanes polygons of one dominant axis. Unused lanes reject all rays, by a scale of minus infinity.
 struct alignas(64) FlatBlock {
-  LaneFloat normal_i, normal_j, offset;                ///< n_i, n_j, n_0
-  LaneFloat u_i, u_j, u_0, v_i, v_j, v_0;              ///< U = u_i p_i + u_j p_j - u_0
-  LaneFloat plane_error, depth_error, position_error;  ///< in units of FlatRay::error / |det|
+  LaneFloat normal_i, normal_j, offset;    ///< n_i, n_j, n_0
+  LaneFloat u_i, u_j, u_0, v_i, v_j, v_0;  ///< U = u_i p_i + u_j p_j + u_0
+  // In units of FlatRay::error / |det|; the last two negative.
+  LaneFloat plane_error, depth_error, position_error;
   LaneFloat inner;     ///< the square within which hits can be sure: about 1/2, or none
   LaneInt slot;        ///< in FlatList::polygons
   std::uint32_t axis;  ///< k
@@ -121,28 +122,30 @@ MLT_INLINE FlatBounds bound_hits(const FlatBlock& block, const FlatRay& ray,
                                  [[maybe_unused]] LaneFloat limit) {
   const LaneFloat* const origin = ray.origin + block.axis;
   const LaneFloat* const direction = ray.direction + block.axis;
-  const LaneFloat height =
-      ((block.offset - origin[0]) - block.normal_i * origin[1]) - block.normal_j * origin[2];
-  const LaneFloat inverse =
-      1.0f / ((direction[0] + block.normal_i * direction[1]) + block.normal_j * direction[2]);
+  // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
+  const LaneFloat height = mul_add_bound(block.normal_j, origin[2],
+                                         mul_add_bound(block.normal_i, origin[1], origin[0] - block.offset));
+  const LaneFloat inverse = -1.0f / mul_add_bound(block.normal_j, direction[2],
+                                                  mul_add_bound(block.normal_i, direction[1], direction[0]));
   const LaneFloat error = abs_lanes(inverse) * ray.error;
   const LaneFloat t = height * inverse;
-  const LaneFloat p_i = origin[1] + t * direction[1];
-  const LaneFloat p_j = origin[2] + t * direction[2];
-  const LaneFloat u = (block.u_i * p_i + block.u_j * p_j) - block.u_0;
-  const LaneFloat v = (block.v_i * p_i + block.v_j * p_j) - block.v_0;
+  const LaneFloat p_i = mul_add_bound(t, direction[1], origin[1]);
+  const LaneFloat p_j = mul_add_bound(t, direction[2], origin[2]);
+  const LaneFloat u = mul_add_bound(block.u_j, p_j, mul_add_bound(block.u_i, p_i, block.u_0));
+  const LaneFloat v = mul_add_bound(block.v_j, p_j, mul_add_bound(block.v_i, p_i, block.v_0));
   LaneFloat off = max_lanes(abs_lanes(u), abs_lanes(v));
   if constexpr (kTriangles) off = max_lanes(off, (v - u) + 0.5f);
-  const LaneFloat position_error = error * block.position_error;
-  const LaneFloat first = t - error * block.depth_error;
   const LaneFloat zero{};
+  const LaneFloat first = mul_add_bound(error, block.depth_error, t);
   FlatBounds bounds;
   bounds.first = max_lanes(first, zero);
-  bounds.rejected = (t + error * block.plane_error <= zero) | (off - position_error > broadcast(0.5f));
+  bounds.rejected = (mul_add_bound(error, block.plane_error, t) <= zero) |
+                    (mul_add_bound(error, block.position_error, off) > broadcast(0.5f));
   if constexpr (kSure) {
     bounds.rejected |= first > limit;
-    bounds.sure = ((off + position_error) + position_error < block.inner) & (first > zero) &
-                  (t + error * block.depth_error < limit);
+    // Twice the position error, and the depth error to the other side.
+    const LaneFloat sure_off = mul_add_bound(error, -2.0f * block.position_error, off);
+    bounds.sure = (sure_off < block.inner) & (first > zero) & ((t + t) - first < limit);
   }
   return bounds;
 }

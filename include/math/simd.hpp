@@ -58,6 +58,17 @@ MLT_INLINE LaneFloat select(LaneInt mask, LaneFloat when_true, LaneFloat when_fa
   return floats_of((mask & bits_of(when_true)) | (~mask & bits_of(when_false)));
 }
 
+/// a * b + c with one rounding or two, whichever the instruction set makes cheaper: for bounds alone, as the
+/// bits depend on it.
+MLT_INLINE LaneFloat mul_add_bound(LaneFloat a, LaneFloat b, LaneFloat c) {
+#if defined(__AVX2__) && defined(__FMA__)
+  return std::bit_cast<LaneFloat>(
+      _mm256_fmadd_ps(std::bit_cast<__m256>(a), std::bit_cast<__m256>(b), std::bit_cast<__m256>(c)));
+#else
+  return a * b + c;
+#endif
+}
+
 /// `mask` set in lanes gives NaN there. The operator | on a comparison becomes a blend of three operations in
 /// g++.
 MLT_INLINE LaneFloat or_lanes(LaneInt mask, LaneFloat lanes) {

@@ -48,8 +48,8 @@ DVec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
 void clear_block(FlatBlock& block, std::uint32_t index, int axis) {
   block = FlatBlock{};
   block.axis = static_cast<std::uint32_t>(axis);
-  block.position_error = broadcast(-std::numeric_limits<float>::infinity());
-  block.inner = block.position_error;
+  block.position_error = broadcast(std::numeric_limits<float>::infinity());
+  block.inner = -block.position_error;
   for (int lane = 0; lane < kLanes; ++lane) {
     block.slot[lane] = static_cast<std::int32_t>(index) * kLanes + lane;
   }
@@ -122,13 +122,13 @@ void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
   block.offset[lane] = static_cast<float>(at.offset);
   block.u_i[lane] = static_cast<float>(u.i);
   block.u_j[lane] = static_cast<float>(u.j);
-  block.u_0[lane] = static_cast<float>(u.at_0);
+  block.u_0[lane] = static_cast<float>(-u.at_0);
   block.v_i[lane] = static_cast<float>(v.i);
   block.v_j[lane] = static_cast<float>(v.j);
-  block.v_0[lane] = static_cast<float>(v.at_0);
+  block.v_0[lane] = static_cast<float>(-v.at_0);
   block.plane_error[lane] = rounded_up(plane_error * (14.1 / 32));
-  block.depth_error[lane] = rounded_up(plane_error + weight_error);
-  block.position_error[lane] = rounded_up(reach * plane_error);
+  block.depth_error[lane] = -rounded_up(plane_error + weight_error);
+  block.position_error[lane] = -rounded_up(reach * plane_error);
   block.inner[lane] = square.off_corner < 0.01 ? static_cast<float>(0.5 - 2 * square.off_corner) : -1.0f;
 }
 
