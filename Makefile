@@ -69,7 +69,7 @@ EXTRA_SETS := $(if $(findstring x86_64,$(shell $(CXX) -dumpmachine)),$(if \
   $(or $(findstring -fsanitize,$(EXTRA)),$(findstring -flto,$(EXTRA)),$(findstring -m,$(EXTRA))),,avx2))
 KERNEL_SETS := $(EXTRA_SETS:%=$(OUT)/kernel_set_%.o)
 SET_SOURCES := $(wildcard src/geometry/*.cpp src/world/*.cpp src/render/kernel*.cpp)
-SET_FLAGS_avx2 := -mavx2 -DMLT_KERNEL_SET=mlt_kernel_set_avx2
+SET_FLAGS_avx2 := -mavx2 -mfma -DMLT_KERNEL_SET=mlt_kernel_set_avx2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 

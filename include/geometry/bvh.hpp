@@ -3,6 +3,7 @@
 // conservative (ray_frame.hpp).
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 
@@ -65,9 +66,15 @@ MLT_INLINE void traverse_closest(const BvhNode* nodes, const RayFrame& ray, floa
       limit = visit(child & ~kLeafBit);
     } else {
       LaneFloat entry;
-      unsigned bits = entered_boxes(nodes[child].planes, ray, broadcast(limit), entry);
       const std::uint32_t* children = nodes[child].children;
+      // Needed once it is known which boxes are entered; its cache line can come at the same time as theirs.
+      __builtin_prefetch(children);
+      unsigned bits = entered_boxes(nodes[child].planes, ray, broadcast(limit), entry);
       if (bits != 0) {
+        if ((bits & (bits - 1)) == 0) {  // most often
+          child = children[std::countr_zero(bits)];
+          continue;
+        }
         const int base = size;
         do {
           const int lane = take_lowest(bits);
@@ -102,9 +109,15 @@ MLT_INLINE bool traverse_any(const BvhNode* nodes, const RayFrame& ray, float li
       if (visit(child & ~kLeafBit)) return true;
     } else {
       LaneFloat entry;
-      unsigned bits = entered_boxes(nodes[child].planes, ray, limits, entry);
       const std::uint32_t* children = nodes[child].children;
-      while (bits != 0) stack[size++] = children[take_lowest(bits)];
+      __builtin_prefetch(children);
+      unsigned bits = entered_boxes(nodes[child].planes, ray, limits, entry);
+      if (bits != 0) {
+        // The last one need not pass through memory.
+        while ((bits & (bits - 1)) != 0) stack[size++] = children[take_lowest(bits)];
+        child = children[std::countr_zero(bits)];
+        continue;
+      }
     }
     if (size == 0) return false;
     child = stack[--size];

@@ -11,6 +11,7 @@
 #include "base/memory.hpp"
 #include "geometry/bvh.hpp"
 #include "geometry/bvh_builder.hpp"
+#include "geometry/flat_list.hpp"
 #include "geometry/quad_block.hpp"
 #include "geometry/ray.hpp"
 #include "geometry/shapes.hpp"
@@ -26,11 +27,15 @@ struct GeometryCounts {
   std::uint32_t spheres = 0;
 };
 
+/// Whether flat lists of polygons are FlatLists. With four lanes their fast test costs more than it saves.
+inline constexpr bool kFlatBounds = kLanes >= 8;
+
 /// Up to so many primitives lie in a flat list. The same for every SIMD width, so that the features of a
 /// scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp).
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
+  bool bounds = kFlatBounds;  ///< polygons in FlatLists rather than QuadBlocks
 };
 
 struct GeometryInput {
@@ -48,8 +53,14 @@ struct KindSlots {
   Slot<BvhNode> nodes;
 };
 
+struct FlatSlots {
+  std::uint32_t count = 0;
+  Slot<FlatList> lists;
+};
+
 struct GeometrySlots {
-  KindSlots<QuadBlock> quads;  ///< with the triangles, when there are few of both
+  FlatSlots flat;              ///< quads where there are few, and the triangles when there are few of both
+  KindSlots<QuadBlock> quads;  ///< or here
   KindSlots<TriangleBlock> triangles;
   KindSlots<SphereBlock> spheres;
 };
@@ -78,7 +89,7 @@ class Geometry {
 
   /// The closest hit at 0 < t < ray.t_max, by (t, primitive). A ray whose direction is 0 or not finite, or
   /// whose longest component lies outside [2^-60, 2^60], hits nothing or anything. kGeneral = false compiles
-  /// code for a flat list of polygons alone.
+  /// code for one flat list of polygons alone.
   template <bool kGeneral>
   Hit intersect(const Ray& ray) const;
 
@@ -94,6 +105,7 @@ class Geometry {
   float extent() const { return extent_; }
 
  private:
+  std::span<const FlatList> flat_lists_;
   PrimitiveList<QuadBlock> quads_;
   PrimitiveList<TriangleBlock> triangles_;
   PrimitiveList<SphereBlock> spheres_;

@@ -61,7 +61,7 @@ struct BestHit {
       const int lane = take_lowest(bits);
       const float entry = entries[lane];
       QuadHit met;
-      if (entry > limit || !cross_quad(block.quads[lane], ray, met)) continue;
+      if (entry > limit || !cross_quad(block.quads[lane], *ray.ray, ray.shear, met)) continue;
       const float t = entry > met.t ? entry : met.t;
       const std::uint32_t primitive = block.quads[lane].primitive;
       if (t < limit || (t == limit && primitive < tie_below)) {
@@ -73,15 +73,40 @@ struct BestHit {
     }
   }
 
+  /// The test that defines hits, for one polygon of a flat list.
+  MLT_INLINE void visit(const FlatPolygon& polygon, const Ray& ray, const RayShear& shear,
+                        const RaySlabs& slabs) {
+    QuadHit met;
+    if (!cross_quad(polygon.quad, ray, shear, met)) return;
+    const float entry = box_entry(polygon, slabs);
+    const float t = entry > met.t ? entry : met.t;
+    const std::uint32_t primitive = polygon.quad.primitive;
+    if (t < limit || (t == limit && primitive < tie_below)) {
+      limit = t;
+      tie_below = primitive;
+      const std::uint32_t slot = polygon.slot | (met.second ? kSecondTriangle : 0U);
+      hit = {t, primitive, slot, {met.weight_middle, met.weight_c}};
+    }
+  }
+
+  MLT_INLINE void visit_flat(const FlatList& list, const FlatRay& flat_ray, const Ray& ray,
+                             const RayShear& shear, const RaySlabs& slabs) {
+    visit_candidates(
+        list, flat_ray, limit, [&](const FlatPolygon& polygon) __attribute__((always_inline)) {
+          visit(polygon, ray, shear, slabs);
+          return limit;
+        });
+  }
+
   template <class Block>
-  MLT_INLINE void visit_flat(const PrimitiveList<Block>& list, const RayFrame& ray) {
+  MLT_INLINE void visit_blocks(const PrimitiveList<Block>& list, const RayFrame& ray) {
     for (std::uint32_t i = 0; i < list.block_count; ++i) visit(list.blocks[i], i, ray);
   }
 
   template <class Block>
   MLT_INLINE void visit_list(const PrimitiveList<Block>& list, const RayFrame& ray) {
     if (list.nodes == nullptr) {
-      visit_flat(list, ray);
+      visit_blocks(list, ray);
       return;
     }
     traverse_closest(list.nodes, ray, limit, [&](std::uint32_t block) {
@@ -105,13 +130,25 @@ MLT_INLINE bool blocks_ray(const QuadBlock& block, const RayFrame& ray, LaneFloa
   while (bits != 0) {
     const int lane = take_lowest(bits);
     QuadHit met;
-    if (cross_quad(block.quads[lane], ray, met) && met.t < limit[0] && entries[lane] < limit[0]) return true;
+    if (cross_quad(block.quads[lane], *ray.ray, ray.shear, met) && met.t < limit[0] &&
+        entries[lane] < limit[0])
+      return true;
   }
   return false;
 }
 
+MLT_INLINE bool flat_occluded(const FlatList& list, const FlatRay& flat_ray, const Ray& ray,
+                              const RayLanes& lanes, float extent) {
+  const float limit = ray.t_max;
+  return blocks_ray(list, flat_ray, broadcast(limit), [&](const FlatPolygon& polygon) {
+    QuadHit met;
+    return cross_quad(polygon.quad, ray, RayShear(ray, lanes), met) && met.t < limit &&
+           box_entry(polygon, RaySlabs(lanes, extent)) < limit;
+  });
+}
+
 template <class Block>
-MLT_INLINE bool flat_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
+MLT_INLINE bool blocks_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     if (blocks_ray(list.blocks[i], ray, limit)) return true;
   }
@@ -120,34 +157,50 @@ MLT_INLINE bool flat_occluded(const PrimitiveList<Block>& list, const RayFrame& 
 
 template <class Block>
 MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
-  if (list.nodes == nullptr) return flat_occluded(list, ray, limit);
+  if (list.nodes == nullptr) return blocks_occluded(list, ray, limit);
   return traverse_any(list.nodes, ray, limit[0],
                       [&](std::uint32_t block) { return blocks_ray(list.blocks[block], ray, limit); });
 }
 
 template <bool kGeneral>
 [[gnu::noinline]] Hit Geometry::intersect(const Ray& ray) const {
-  const RayFrame frame(ray, extent_);
+  const RayLanes lanes(ray);
   BestHit best(ray.t_max);
   if constexpr (kGeneral) {
-    best.visit_list(quads_, frame);
-    best.visit_list(spheres_, frame);
+    const RayFrame frame(ray, lanes, extent_);
+    for (const FlatList& list : flat_lists_) {
+      best.visit_flat(list, FlatRay(ray, lanes, extent_), ray, frame.shear, frame.slabs);
+    }
     best.visit_list(triangles_, frame);
+    best.visit_list(spheres_, frame);
+    best.visit_list(quads_, frame);
+  } else if constexpr (!kFlatBounds) {
+    best.visit_blocks(quads_, RayFrame(ray, lanes, extent_));
   } else {
-    best.visit_flat(quads_, frame);
+    if (!flat_lists_.empty()) {
+      best.visit_flat(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, RayShear(ray, lanes),
+                      RaySlabs(lanes, extent_));
+    }
   }
   return best.hit;
 }
 
 template <bool kGeneral>
 [[gnu::noinline]] bool Geometry::occluded(const Ray& ray) const {
-  const RayFrame frame(ray, extent_);
+  const RayLanes lanes(ray);
   const LaneFloat limit = broadcast(ray.t_max);
   if constexpr (kGeneral) {
+    for (const FlatList& list : flat_lists_) {
+      if (flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_)) return true;
+    }
+    const RayFrame frame(ray, lanes, extent_);
     return list_occluded(quads_, frame, limit) || list_occluded(spheres_, frame, limit) ||
            list_occluded(triangles_, frame, limit);
+  } else if constexpr (!kFlatBounds) {
+    return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit);
   } else {
-    return flat_occluded(quads_, frame, limit);
+    return !flat_lists_.empty() &&
+           flat_occluded(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, lanes, extent_);
   }
 }
 
@@ -159,7 +212,17 @@ template <bool kGeneral>
     if (hit.primitive >= first_sphere_) return sphere_point(spheres_.blocks[block], lane, ray, hit.t);
     if (hit.primitive >= first_in_triangles_) return triangle_point(triangles_.blocks[block], lane, hit);
   }
-  return quad_point(quads_.blocks[block].quads[lane], (hit.slot & kSecondTriangle) != 0, hit);
+  const std::uint32_t slot = hit.slot & ~kSecondTriangle;
+  const QuadRecord* quad;
+  if constexpr (kGeneral) {
+    quad = flat_lists_.empty() ? &quads_.blocks[block].quads[lane]
+                               : &flat_lists_[slot / kFlatSlots].polygons[slot % kFlatSlots].quad;
+  } else if constexpr (!kFlatBounds) {
+    quad = &quads_.blocks[block].quads[lane];
+  } else {
+    quad = &flat_lists_[0].polygons[slot].quad;
+  }
+  return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
 }
 
 }  // namespace mlt

@@ -47,43 +47,48 @@ MLT_INLINE float largest_magnitude(Float4 v) {
 }
 
 /// Whether the ray meets the quad at t > 0, before t is raised to where it enters the quad's box.
-MLT_INLINE bool cross_quad(const QuadRecord& quad, const RayFrame& ray, QuadHit& hit) {
-  const RayShear& shear = ray.shear;
+MLT_INLINE bool cross_quad(const QuadRecord& quad, const Ray& ray, const RayShear& shear, QuadHit& hit) {
   const Float4 z = load_float4(quad.corners[shear.axis_z]) - shear.origin_z;
   const Float4 x = (load_float4(quad.corners[shear.axis_x]) - shear.origin_x) - shear.shear_x * z;
   const Float4 y = (load_float4(quad.corners[shear.axis_y]) - shear.origin_y) - shear.shear_y * z;
   // ab, bc, cd, da.
   const Float4 edges = edge_function(x, y, __builtin_shufflevector(x, x, 1, 2, 3, 0),
                                      __builtin_shufflevector(y, y, 1, 2, 3, 0));
-  const float ca = edge_function(x[2], y[2], x[0], y[0]);
+  // In lane 2 the function of ca, in lane 0 that of ac, and so on.
+  const Float4 diagonals = edge_function(x, y, __builtin_shufflevector(x, x, 2, 3, 0, 1),
+                                         __builtin_shufflevector(y, y, 2, 3, 0, 1));
+  const float ca = diagonals[2];
   // With the sign of ca divided out, a point of triangle a, b, c has positive functions of ab and bc, a point
   // of triangle a, c, d negative ones of cd and da. Where ca is zero, its sign says nothing.
-  const std::int32_t sign = std::bit_cast<std::int32_t>(ca) & static_cast<std::int32_t>(0x80000000U);
+  constexpr std::int32_t kSign = static_cast<std::int32_t>(0x80000000U);
+  const Int4 sign = std::bit_cast<Int4>(__builtin_shufflevector(diagonals, diagonals, 2, 2, 2, 2)) & kSign;
   const Float4 turned = std::bit_cast<Float4>(std::bit_cast<Int4>(edges) ^ sign);
-  const unsigned positive = lane_bits4(turned > Float4{});
+  const Int4 above = turned > Float4{};
+  const unsigned positive = lane_bits4(above);
   const unsigned negative = lane_bits4(turned < Float4{});
   const bool inclined = ca > 0.0f || ca < 0.0f;
   if (inclined && (negative & 3U) != 0 && (positive & 12U) != 0) return false;
   const bool first = (positive & 3U) == 3U;
-  if (!inclined || !(first || (negative & 12U) == 12U)) return refine_quad(quad, *ray.ray, hit);
+  if (!inclined || !(first || (negative & 12U) == 12U)) return refine_quad(quad, ray, hit);
 
-  const float weight_a = first ? edges[1] : edges[2];
-  const float weight_middle = first ? ca : -ca;
-  const float weight_c = first ? edges[0] : edges[3];
+  // Lanes a, middle, c; which half it is cannot be predicted.
+  const Int4 halves =
+      __builtin_shufflevector(above, above, 0, 0, 0, 0) & __builtin_shufflevector(above, above, 1, 1, 1, 1);
   const Float4 distances = z * shear.inverse_z;
-  const float t_a = distances[0];
-  const float t_middle = first ? distances[1] : distances[3];
-  const float t_c = distances[2];
-  const float depth = (weight_a * t_a + weight_middle * t_middle) + weight_c * t_c;
-  const bool before = t_a > 0.0f && t_middle > 0.0f && t_c > 0.0f;
-  if (!before) {
-    if (t_a <= 0.0f && t_middle <= 0.0f && t_c <= 0.0f) return false;
-    const float reach = largest_magnitude(Float4{t_a, t_middle, t_c, 0.0f});
-    const float error = (largest_magnitude(x) * largest_magnitude(y)) * (reach * kDepthError);
-    if (!(std::fabs(depth) > error)) return refine_quad(quad, *ray.ray, hit);
+  const Float4 weights = select4(halves, __builtin_shufflevector(edges, diagonals, 1, 6, 0, 0),
+                                 __builtin_shufflevector(edges, diagonals, 2, 4, 3, 3));
+  const Float4 t = select4(halves, __builtin_shufflevector(distances, distances, 0, 1, 2, 2),
+                           __builtin_shufflevector(distances, distances, 0, 3, 2, 2));
+  const Float4 depths = weights * t;
+  const float depth = (depths[0] + depths[1]) + depths[2];
+  if (lane_bits4(t > Float4{}) != 15U) {
+    if (lane_bits4(t <= Float4{}) == 15U) return false;
+    const float error = (largest_magnitude(x) * largest_magnitude(y)) * (largest_magnitude(t) * kDepthError);
+    if (!(std::fabs(depth) > error)) return refine_quad(quad, ray, hit);
   }
-  const float scale = 1.0f / ((weight_a + weight_middle) + weight_c);
-  hit = {depth * scale, weight_middle * scale, weight_c * scale, !first};
+  const float scale = 1.0f / ((weights[0] + weights[1]) + weights[2]);
+  const Float4 scaled = weights * scale;
+  hit = {depth * scale, scaled[1], scaled[2], !first};
   return hit.t > 0.0f;
 }
 

@@ -11,7 +11,9 @@
 // sphere.hpp). The padding used is 32uM = 2^-19 M ([Ize13] pads distances instead).
 #pragma once
 
-#include <cmath>
+#include <bit>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 
 #include "geometry/ray.hpp"
@@ -23,9 +25,35 @@ inline constexpr float kBoxPadding = 0x1p-19f;  ///< of M above
 /// A direction component smaller than this part of the largest one counts as this part.
 inline constexpr float kSmallestSlope = 0x1p-30f;
 
+/// Origin and direction in lanes, and their sizes. Fourth lanes mean nothing.
+struct RayLanes {
+  Float4 origin, direction;
+  Float4 size;     ///< |direction|
+  Float4 longest;  ///< its largest component
+  float distance;  ///< largest component of |origin|
+
+  MLT_INLINE explicit RayLanes(const Ray& ray) {
+    static_assert(offsetof(Ray, direction) + sizeof(Float4) <= sizeof(Ray));
+    const auto* bytes = reinterpret_cast<const std::byte*>(&ray);
+    std::memcpy(&origin, bytes + offsetof(Ray, origin), sizeof(Float4));
+    std::memcpy(&direction, bytes + offsetof(Ray, direction), sizeof(Float4));
+    constexpr std::int32_t kMagnitude = 0x7fffffff;
+    size = std::bit_cast<Float4>(std::bit_cast<Int4>(direction) & kMagnitude);
+    longest = largest_of_3(size);
+    distance = largest_of_3(std::bit_cast<Float4>(std::bit_cast<Int4>(origin) & kMagnitude))[0];
+  }
+
+  /// In lanes 0 to 2.
+  MLT_INLINE static Float4 largest_of_3(Float4 v) {
+    return max4(max4(v, __builtin_shufflevector(v, v, 1, 2, 0, 3)),
+                __builtin_shufflevector(v, v, 2, 0, 1, 3));
+  }
+};
+
 /// The sheared frame of a ray in scalars.
 struct RayShear {
-  explicit RayShear(const Ray& ray);
+  MLT_INLINE explicit RayShear(const Ray& ray) : RayShear(ray, RayLanes(ray)) {}
+  MLT_INLINE RayShear(const Ray& ray, const RayLanes& lanes);
 
   int axis_x, axis_y, axis_z;          ///< z: the direction's largest component; x and y follow it cyclically
   float origin_x, origin_y, origin_z;  ///< in this order of axes
@@ -33,19 +61,14 @@ struct RayShear {
   float inverse_z;                     ///< 1 / direction z: depth times this is t
 };
 
-MLT_INLINE RayShear::RayShear(const Ray& ray) {
-  const float origin[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-  const float direction[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  const Vec3 size{std::fabs(direction[0]), std::fabs(direction[1]), std::fabs(direction[2])};
-  // The first of the largest components, looked up by three comparisons: two bits for each outcome. Rays
-  // differ too much in it for a branch to be predicted.
-  const unsigned order =
-      (size.y > size.x ? 1U : 0U) | (size.z > size.x ? 2U : 0U) | (size.z > size.y ? 4U : 0U);
-  constexpr unsigned kLargest =
-      0U << 0 | 1U << 2 | 2U << 4 | 1U << 6 | 0U << 8 | 2U << 10 | 2U << 12 | 2U << 14;
-  axis_z = static_cast<int>(kLargest >> (2U * order) & 3U);
-  axis_x = axis_z == 2 ? 0 : axis_z + 1;
-  axis_y = axis_x == 2 ? 0 : axis_x + 1;
+MLT_INLINE RayShear::RayShear(const Ray& ray, const RayLanes& lanes) {
+  // The first of the largest components, without branches, as rays differ too much in it for one to be
+  // predicted. The last where there is none, for NaN.
+  axis_z = std::countr_zero(lane_bits4(lanes.size == lanes.longest) | 4U);
+  axis_x = 0b001001 >> (2 * axis_z) & 3;
+  axis_y = 0b010010 >> (2 * axis_z) & 3;
+  const float* const origin = &ray.origin.x;
+  const float* const direction = &ray.direction.x;
   origin_x = origin[axis_x];
   origin_y = origin[axis_y];
   origin_z = origin[axis_z];
@@ -58,44 +81,51 @@ MLT_INLINE RayShear::RayShear(const Ray& ray) {
   inverse_z = quotients[2];
 }
 
+/// Slabs: the distance to a plane that a box is entered by is (plane - near_origin) * inverse.
+struct RaySlabs {
+  Float4 near_origin, far_origin, inverse;
+  Int4 backwards;  ///< all ones where a box is entered by its high plane
+
+  MLT_INLINE RaySlabs(const RayLanes& ray, float extent) {
+    constexpr std::int32_t kSign = static_cast<std::int32_t>(0x80000000U);
+    const Float4 padding = broadcast4((ray.distance + extent) * kBoxPadding);
+    // The smallest normal number keeps reciprocals finite, even for a direction of 0.
+    const Float4 smallest = ray.longest * kSmallestSlope + std::numeric_limits<float>::min();
+    const Int4 signs = std::bit_cast<Int4>(ray.direction) & kSign;
+    inverse = 1.0f / std::bit_cast<Float4>(std::bit_cast<Int4>(max4(ray.size, smallest)) | signs);
+    const Float4 signed_padding = std::bit_cast<Float4>(std::bit_cast<Int4>(padding) | signs);
+    near_origin = ray.origin + signed_padding;
+    far_origin = ray.origin - signed_padding;
+    backwards = signs >> 31;
+  }
+};
+
 /// All of a ray in lanes. Functions that take one are inlined, so that members without use cost nothing.
 struct RayFrame {
   /// `extent` is the largest absolute coordinate of any primitive. `ray` must outlive the frame.
-  RayFrame(const Ray& ray, float extent);
+  MLT_INLINE RayFrame(const Ray& r, float extent) : RayFrame(r, RayLanes(r), extent) {}
+  MLT_INLINE RayFrame(const Ray& ray, const RayLanes& lanes, float extent);
 
   const Ray* ray;
   RayShear shear;
+  RaySlabs slabs;
 
   LaneFloat origin[3], direction[3];  ///< for spheres
 
-  // Slabs: the distance to a plane that a box is entered by is (plane - near_origin) * inverse.
-  LaneFloat near_origin[3], far_origin[3], inverse[3];
+  LaneFloat near_origin[3], far_origin[3], inverse[3];  ///< the slabs
   int near_side[3];  ///< 0 where a box is entered by its low plane, 1 by its high plane
 };
 
-MLT_INLINE RayFrame::RayFrame(const Ray& r, float extent) : ray(&r), shear(r) {
-  constexpr std::int32_t kSign = static_cast<std::int32_t>(0x80000000U);
-  const Float4 at{r.origin.x, r.origin.y, r.origin.z, 0.0f};
-  const Float4 along{r.direction.x, r.direction.y, r.direction.z, 1.0f};
-  const Vec3 sizes{std::fabs(along[0]), std::fabs(along[1]), std::fabs(along[2])};
-  const Vec3 distances{std::fabs(at[0]), std::fabs(at[1]), std::fabs(at[2])};
-  const float padding = (max_component(distances) + extent) * kBoxPadding;
-  // The smallest normal number keeps reciprocals finite, even for a direction of 0.
-  const float smallest = max_component(sizes) * kSmallestSlope + std::numeric_limits<float>::min();
-  const Int4 signs = std::bit_cast<Int4>(along) & kSign;
-  const unsigned backwards = lane_bits4(signs);
-  const Float4 slope = max4(std::bit_cast<Float4>(std::bit_cast<Int4>(along) & ~kSign), broadcast4(smallest));
-  const Float4 reciprocal = 1.0f / std::bit_cast<Float4>(std::bit_cast<Int4>(slope) | signs);
-  const Float4 signed_padding = std::bit_cast<Float4>(std::bit_cast<Int4>(broadcast4(padding)) | signs);
-  const Float4 near_at = at + signed_padding;
-  const Float4 far_at = at - signed_padding;
+MLT_INLINE RayFrame::RayFrame(const Ray& r, const RayLanes& lanes, float extent)
+    : ray(&r), shear(r, lanes), slabs(lanes, extent) {
+  const unsigned backwards = lane_bits4(slabs.backwards);
 #pragma GCC unroll 4
   for (int axis = 0; axis < 3; ++axis) {
-    origin[axis] = broadcast(at[axis]);
-    direction[axis] = broadcast(along[axis]);
-    near_origin[axis] = broadcast(near_at[axis]);
-    far_origin[axis] = broadcast(far_at[axis]);
-    inverse[axis] = broadcast(reciprocal[axis]);
+    origin[axis] = broadcast((&r.origin.x)[axis]);
+    direction[axis] = broadcast((&r.direction.x)[axis]);
+    near_origin[axis] = broadcast(slabs.near_origin[axis]);
+    far_origin[axis] = broadcast(slabs.far_origin[axis]);
+    inverse[axis] = broadcast(slabs.inverse[axis]);
     near_side[axis] = static_cast<int>(backwards >> axis & 1U);
   }
 }

@@ -58,6 +58,27 @@ MLT_INLINE LaneFloat select(LaneInt mask, LaneFloat when_true, LaneFloat when_fa
   return floats_of((mask & bits_of(when_true)) | (~mask & bits_of(when_false)));
 }
 
+/// a * b + c with one rounding or two, whichever the instruction set makes cheaper: for bounds alone, as the
+/// bits depend on it.
+MLT_INLINE LaneFloat mul_add_bound(LaneFloat a, LaneFloat b, LaneFloat c) {
+#if defined(__AVX2__) && defined(__FMA__)
+  return std::bit_cast<LaneFloat>(
+      _mm256_fmadd_ps(std::bit_cast<__m256>(a), std::bit_cast<__m256>(b), std::bit_cast<__m256>(c)));
+#else
+  return a * b + c;
+#endif
+}
+
+/// `mask` set in lanes gives NaN there. The operator | on a comparison becomes a blend of three operations in
+/// g++.
+MLT_INLINE LaneFloat or_lanes(LaneInt mask, LaneFloat lanes) {
+#if defined(__AVX2__)
+  return std::bit_cast<LaneFloat>(_mm256_or_ps(std::bit_cast<__m256>(mask), std::bit_cast<__m256>(lanes)));
+#else
+  return floats_of(mask | bits_of(lanes));
+#endif
+}
+
 /// a < b ? a : b, so b where either is NaN. The intrinsics compute exactly this.
 MLT_INLINE LaneFloat min_lanes(LaneFloat a, LaneFloat b) {
 #if defined(__AVX2__)
@@ -128,6 +149,14 @@ MLT_INLINE Float4 max4(Float4 a, Float4 b) {
 #else
   return std::bit_cast<Float4>(((a > b) & std::bit_cast<Int4>(a)) | (~(a > b) & std::bit_cast<Int4>(b)));
 #endif
+}
+MLT_INLINE Int4 broadcast4_int(std::int32_t value) {
+  return Int4{value, value, value, value};
+}
+/// As select.
+MLT_INLINE Float4 select4(Int4 mask, Float4 when_true, Float4 when_false) {
+  return std::bit_cast<Float4>((mask & std::bit_cast<Int4>(when_true)) |
+                               (~mask & std::bit_cast<Int4>(when_false)));
 }
 /// As lane_bits.
 MLT_INLINE unsigned lane_bits4(Int4 mask) {

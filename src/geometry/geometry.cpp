@@ -76,9 +76,7 @@ void set_box(QuadBlock& block, int lane, const Bounds& b) {
   set_corner(&block.planes[0][1], &block.planes[1][1], &block.planes[2][1], lane, b.high);
 }
 
-void set_lane(QuadBlock& block, int lane, const Quad& q, std::uint32_t primitive) {
-  set_box(block, lane, bounds_of(q));
-  QuadRecord& record = block.quads[lane];
+void set_record(QuadRecord& record, const Quad& q, std::uint32_t primitive) {
   const Vec3 corners[4] = {q.a, q.b, q.c, q.d};
   const Vec3 normal = unit_normal(q.a, q.b, q.c);
   for (int axis = 0; axis < 3; ++axis) {
@@ -86,6 +84,11 @@ void set_lane(QuadBlock& block, int lane, const Quad& q, std::uint32_t primitive
     record.normal[axis] = normal[axis];
   }
   record.primitive = primitive;
+}
+
+void set_lane(QuadBlock& block, int lane, const Quad& q, std::uint32_t primitive) {
+  set_box(block, lane, bounds_of(q));
+  set_record(block.quads[lane], q, primitive);
 }
 
 void set_lane(SphereBlock& block, int lane, const Sphere& s, std::uint32_t primitive) {
@@ -200,19 +203,64 @@ PrimitiveList<Block> build_tree(KindBuild<Block, Shapes> build, std::span<BvhNod
   return {build.blocks.data(), size.blocks, nodes.data()};
 }
 
-template <class Block, class Shapes>
-PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, const Shapes& shapes,
-                                std::uint32_t first, float& extent) {
-  MLT_CHECK_OP(shapes.size(), ==, slots.count);
+template <class Shapes>
+void include_extent(const Shapes& shapes, float& extent) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Bounds b = bounds_of(shapes[i]);
     MLT_CHECK(is_finite(b.low) && is_finite(b.high));
     extent = std::max({extent, -b.low.x, -b.low.y, -b.low.z, b.high.x, b.high.y, b.high.z});
   }
+}
+
+template <class Block, class Shapes>
+PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, const Shapes& shapes,
+                                std::uint32_t first, float& extent) {
+  MLT_CHECK_OP(shapes.size(), ==, slots.count);
+  include_extent(shapes, extent);
   if (slots.count == 0) return {};
   const KindBuild<Block, Shapes> build{arena.take(slots.blocks), shapes, first};
   if (slots.flat) return build_flat(build);
   return build_tree(build, arena.take(slots.nodes));
+}
+
+FlatSlots plan_flat(MemoryPlan& plan, const std::string& name, std::uint32_t count) {
+  FlatSlots slots;
+  slots.count = count;
+  if (count == 0) return slots;
+  slots.lists = plan.add<FlatList>(name + ", flat list", Lifetime::kScene, (count - 1) / kFlatPolygons + 1);
+  return slots;
+}
+
+FlatPolygon make_polygon(const Quad& q, std::uint32_t primitive) {
+  FlatPolygon polygon{};
+  set_record(polygon.quad, q, primitive);
+  const Bounds b = bounds_of(q);
+  for (int axis = 0; axis < 3; ++axis) {
+    polygon.low[axis] = b.low[axis];
+    polygon.high[axis] = b.high[axis];
+  }
+  return polygon;
+}
+
+std::span<const FlatList> build_flat_lists(Arena& arena, const FlatSlots& slots, const PolygonList& shapes,
+                                           float& extent) {
+  MLT_CHECK_OP(shapes.size(), ==, slots.count);
+  include_extent(shapes, extent);
+  if (slots.count == 0) return {};
+  const std::span<FlatList> lists = arena.take(slots.lists);
+  for (std::uint32_t list = 0; list < lists.size(); ++list) {
+    const std::uint32_t begin = list * kFlatPolygons;
+    const std::uint32_t end = std::min(begin + kFlatPolygons, slots.count);
+    FlatListBuilder builder(lists[list], list * kFlatSlots, extent);
+    for (int group = 0; group < kFlatGroups; ++group) {
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const Quad q = shapes[i];
+        if (has_area(q) && FlatListBuilder::group_of(q) == group) builder.add(group, q, make_polygon(q, i));
+      }
+    }
+    builder.finish();
+  }
+  return lists;
 }
 
 bool has_many_polygons(const GeometryCounts& counts, const FlatLimits& limits) {
@@ -244,8 +292,13 @@ KindSlots<Block> plan_kind(MemoryPlan& plan, const std::string& name, std::uint3
 GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, const FlatLimits& limits) {
   const bool few = !has_many_polygons(counts, limits);
   GeometrySlots slots;
-  slots.quads = plan_kind<QuadBlock>(plan, few ? "polygons" : "quads",
-                                     few ? counts.quads + counts.triangles : counts.quads, limits.polygons);
+  const std::uint32_t count = few ? counts.quads + counts.triangles : counts.quads;
+  const std::string name = few ? "polygons" : "quads";
+  if (limits.bounds && !is_general(counts, limits)) {
+    slots.flat = plan_flat(plan, name, count);
+  } else {
+    slots.quads = plan_kind<QuadBlock>(plan, name, count, limits.polygons);
+  }
   slots.triangles = plan_kind<TriangleBlock>(plan, "triangles", few ? 0 : counts.triangles, 0);
   slots.spheres = plan_kind<SphereBlock>(plan, "spheres", counts.spheres, limits.spheres);
   return slots;
@@ -254,12 +307,16 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
 Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input) {
   Geometry geometry;
   const auto quads = static_cast<std::uint32_t>(input.quads.size());
-  const bool few = slots.quads.count == quads + input.triangles.size();
-  geometry.first_in_triangles_ = slots.quads.count;
-  geometry.first_sphere_ = slots.quads.count + slots.triangles.count;
+  const bool few = slots.triangles.count == 0;
+  geometry.first_in_triangles_ = few ? quads + static_cast<std::uint32_t>(input.triangles.size()) : quads;
+  geometry.first_sphere_ = geometry.first_in_triangles_ + slots.triangles.count;
   float extent = 0.0f;
-  geometry.quads_ = build_kind(arena, slots.quads,
-                               PolygonList{input.quads, few ? input.triangles : TriangleList{}}, 0, extent);
+  const PolygonList polygons{input.quads, few ? input.triangles : TriangleList{}};
+  if (slots.quads.count > 0) {
+    geometry.quads_ = build_kind(arena, slots.quads, polygons, 0, extent);
+  } else {
+    geometry.flat_lists_ = build_flat_lists(arena, slots.flat, polygons, extent);
+  }
   geometry.triangles_ = build_kind(arena, slots.triangles, few ? TriangleList{} : input.triangles,
                                    geometry.first_in_triangles_, extent);
   geometry.spheres_ = build_kind(arena, slots.spheres, input.spheres, geometry.first_sphere_, extent);

@@ -16,7 +16,7 @@ bool is_supported(InstructionSet set) {
       return true;
     case InstructionSet::avx2:
 #ifdef MLT_HAS_AVX2
-      return __builtin_cpu_supports("avx2");
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #else
       return false;
 #endif

@@ -14,14 +14,18 @@ bool same(const Hit& p, const Hit& q) {
   return p.primitive == q.primitive && (!p.found() || std::memcmp(&p.t, &q.t, sizeof p.t) == 0);
 }
 
-/// Flat list, tree and brute force agree on t and primitive; occluded agrees
+/// Flat lists of both kinds, tree and brute force agree on t and primitive; occluded agrees
 /// with them, also at the limits.
 void compare_with_brute_force(const Shapes& shapes, const std::vector<Triangle>& targets, int rays,
                               std::uint64_t seed, const Vec3& shift = Vec3{0, 0, 0}) {
   const BuiltGeometry flat(shapes, kAlwaysFlat);
+  const BuiltGeometry bounds(shapes, kAlwaysBounds);
   const BuiltGeometry tree(shapes, kAlwaysTree);
+  const auto occluded = [&](const Ray& ray) {
+    return flat->occluded<true>(ray) + bounds->occluded<true>(ray) + tree->occluded<true>(ray);
+  };
   Rng rng(seed, StreamPurpose::kTest, 3);
-  int different = 0, found = 0, tree_differs = 0, occlusion_differs = 0;
+  int different = 0, found = 0, tree_differs = 0, bounds_differ = 0, occlusion_differs = 0;
   for (int i = 0; i < rays; ++i) {
     Ray ray = hard_ray(rng, targets);
     // Targets are shifted already.
@@ -30,19 +34,21 @@ void compare_with_brute_force(const Shapes& shapes, const std::vector<Triangle>&
     const Hit hit = flat->intersect<true>(ray);
     different += !same(hit, expected);
     tree_differs += !same(hit, tree->intersect<true>(ray));
-    occlusion_differs += tree->occluded<true>(ray) != hit.found() || flat->occluded<true>(ray) != hit.found();
+    bounds_differ += !same(hit, bounds->intersect<true>(ray));
+    occlusion_differs += occluded(ray) != (hit.found() ? 3 : 0);
     if (!hit.found()) continue;
     ++found;
     // A limit at the hit excludes it, the next float includes it.
     ray.t_max = hit.t;
     occlusion_differs +=
-        tree->occluded<true>(ray) || flat->occluded<true>(ray) || tree->intersect<true>(ray).found();
+        occluded(ray) != 0 || tree->intersect<true>(ray).found() || bounds->intersect<true>(ray).found();
     ray.t_max = std::nextafter(hit.t, 2e30f);
-    occlusion_differs += !tree->occluded<true>(ray) || !flat->occluded<true>(ray);
-    different += !same(tree->intersect<true>(ray), hit);
+    occlusion_differs += occluded(ray) != 3;
+    different += !same(tree->intersect<true>(ray), hit) || !same(bounds->intersect<true>(ray), hit);
   }
   CHECK(different == 0);
   CHECK(tree_differs == 0);
+  CHECK(bounds_differ == 0);
   CHECK(occlusion_differs == 0);
   // Rays that aim at something, and hit it unless it lies so far away that it
   // is smaller than rounding.
@@ -65,16 +71,18 @@ TEST_CASE("1e6 rays through soups equal brute force, flat and as a tree", "[.slo
   compare_soups(1000000);
 }
 
-TEST_CASE("a flat list and a tree agree on many triangles") {
+TEST_CASE("flat lists and a tree agree on many triangles") {
   Shapes shapes;
   shapes.triangles = triangle_soup(1000, 11);
   const BuiltGeometry flat(shapes, kAlwaysFlat);
+  const BuiltGeometry bounds(shapes, kAlwaysBounds);
   const BuiltGeometry tree(shapes, kAlwaysTree);
   Rng rng(9, StreamPurpose::kTest, 8);
   int different = 0;
   for (int i = 0; i < 100000; ++i) {
     const Ray ray = hard_ray(rng, shapes.triangles);
-    different += !same(flat->intersect<true>(ray), tree->intersect<true>(ray));
+    const Hit hit = tree->intersect<true>(ray);
+    different += !same(flat->intersect<true>(ray), hit) || !same(bounds->intersect<true>(ray), hit);
   }
   CHECK(different == 0);
 }
@@ -128,15 +136,73 @@ TEST_CASE(
   for (const Triangle& t : triangles.triangles) quads.quads.push_back({t.a, t.b, t.c, t.c});
   const BuiltGeometry as_triangles(triangles, kAlwaysFlat);
   const BuiltGeometry as_quads(quads, kAlwaysFlat);
+  const BuiltGeometry as_list(quads, FlatLimits{1U << 30, 1U << 30});
   Rng rng(5, StreamPurpose::kTest, 5);
   int different = 0;
   for (int i = 0; i < 100000; ++i) {
     const Ray ray = hard_ray(rng, triangles.triangles);
     const Hit hit = as_quads->intersect<true>(ray);
-    different +=
-        !same(hit, as_triangles->intersect<true>(ray)) || !same(hit, as_quads->intersect<false>(ray));
+    different += !same(hit, as_triangles->intersect<true>(ray)) || !same(hit, as_list->intersect<false>(ray));
   }
   CHECK(different == 0);
+}
+
+/// Rays along the planes of polygons, from as close to them as a few roundings and at their edges.
+Ray grazing_ray(Rng& rng, const std::vector<Triangle>& targets) {
+  const Triangle& t = targets[below(rng, targets.size())];
+  const Vec3 e1 = t.b - t.a, e2 = t.c - t.a;
+  const float v = below(rng, 3) == 0 ? 0.0f : signed_unit(rng) * 2.0f;
+  const float w = signed_unit(rng) * 2.0f;
+  const Vec3 normal = normalize(cross(e1, e2));
+  const float height = std::ldexp(signed_unit(rng), -static_cast<int>(below(rng, 30)));
+  const float slope = std::ldexp(signed_unit(rng), -static_cast<int>(below(rng, 30)));
+  const Vec3 origin = t.a + ((e1 * v + e2 * w) + normal * height);
+  const Vec3 to = t.a + (e1 * rng.next_float() + e2 * (below(rng, 2) == 0 ? 0.0f : rng.next_float()));
+  return Ray{origin, (to - origin) + normal * slope, below(rng, 2) == 0 ? 1.0f : 1e30f};
+}
+
+void compare_grazing(const Shapes& shapes, int rays) {
+  const BuiltGeometry flat(shapes, kAlwaysFlat);
+  const BuiltGeometry bounds(shapes, kAlwaysBounds);
+  Rng rng(12, StreamPurpose::kTest, 11);
+  const std::vector<Triangle> targets = halves_of(shapes.quads);
+  int different = 0, occlusion_differs = 0, found = 0;
+  for (int i = 0; i < rays; ++i) {
+    const Ray ray = grazing_ray(rng, targets);
+    const Hit hit = flat->intersect<true>(ray);
+    found += hit.found();
+    different += !same(hit, bounds->intersect<true>(ray));
+    occlusion_differs += hit.found() != bounds->occluded<true>(ray);
+  }
+  CHECK(different == 0);
+  CHECK(occlusion_differs == 0);
+  CHECK(found > rays / 8);
+}
+
+void compare_all_grazing(int rays) {
+  Shapes soup, box;
+  soup.quads = quad_soup(80, 43);
+  std::erase_if(soup.quads, [](const Quad& q) {
+    const Vec3 e1 = q.b - q.a, e2 = q.c - q.a;
+    return length(cross(e1, e2)) < 1e-6f * length(e1) * length(e2);
+  });
+  compare_grazing(soup, rays);
+  const Vec3 x{2, 0, 0}, y{0, 2, 0}, z{0, 0, 2}, at{-1, -1, -1};
+  for (const Vec3& side : {Vec3{0, 0, 0}, z})
+    box.quads.push_back({at + side, at + side + x, at + side + x + y, at + side + y});
+  for (const Vec3& side : {Vec3{0, 0, 0}, x})
+    box.quads.push_back({at + side, at + side + y, at + side + y + z, at + side + z});
+  for (const Vec3& side : {Vec3{0, 0, 0}, y})
+    box.quads.push_back({at + side, at + side + z, at + side + z + x, at + side + x});
+  compare_grazing(box, rays);
+}
+
+TEST_CASE("rays along polygons and at their edges: bounds of flat lists hide no hit and claim none") {
+  compare_all_grazing(100000);
+}
+TEST_CASE("2e7 rays along polygons and at their edges: bounds of flat lists hide no hit and claim none",
+          "[.slow]") {
+  compare_all_grazing(10000000);
 }
 
 void compare_with_double(const Shapes& shapes, const std::vector<Triangle>& triangles, int rays,
@@ -176,7 +242,7 @@ TEST_CASE("pitfall 21: degenerate primitives and rays never hit and never give N
   for (int i = 0; i < 40; ++i) shapes.triangles.push_back({p, p, q});
   shapes.quads = {{p, p, p, p}, {p, q, q, p}, {p, p, q, q}};
   shapes.spheres = {{p, 0.0f}};
-  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysTree}) {
+  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysBounds, kAlwaysTree}) {
     const BuiltGeometry geometry(shapes, limits);
     Rng rng(8, StreamPurpose::kTest, 7);
     int found = 0;
@@ -187,7 +253,7 @@ TEST_CASE("pitfall 21: degenerate primitives and rays never hit and never give N
   Shapes sound;
   sound.triangles = triangle_soup(50, 42);
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysTree}) {
+  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysBounds, kAlwaysTree}) {
     const BuiltGeometry geometry(sound, limits);
     for (const Vec3& direction :
          {Vec3{0, 0, 0}, Vec3{-0.0f, 0, 0}, Vec3{nan, 0, 1}, Vec3{1, nan, nan}, Vec3{inf, 0, 1}}) {
@@ -219,7 +285,7 @@ TEST_CASE(
   Rng rng(10, StreamPurpose::kTest, 9);
   for (int i = 0; i < 40; ++i)
     shapes.spheres.push_back({point_in_cube(rng), 0.01f + 0.1f * rng.next_float()});
-  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysTree}) {
+  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysBounds, kAlwaysTree}) {
     const BuiltGeometry geometry(shapes, limits);
     Rng rays(11, StreamPurpose::kTest, 10);
     std::uint64_t hash = 0;

@@ -217,7 +217,7 @@ TEST_CASE("pitfall 16: no ray at a shared edge or corner leaks out of a closed m
   const BuiltGeometry tree(sphere, kAlwaysTree);
   CHECK(count_leaks(*tree, sphere.triangles, 100000, 0) == 0);
   CHECK(count_leaks_from_walls(*tree, sphere.triangles, 50000) == 0);
-  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysTree}) {
+  for (const FlatLimits& limits : {kAlwaysFlat, kAlwaysBounds, kAlwaysTree}) {
     const BuiltGeometry box(closed_box(), limits);
     CHECK(count_leaks(*box, halves_of(closed_box().quads), 100000, 1) == 0);
     CHECK(count_leaks_from_walls(*box, halves_of(closed_box().quads), 50000) == 0);

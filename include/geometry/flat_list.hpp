@@ -1,0 +1,245 @@
+// Few polygons without a hierarchy. All are first met by a fast test in lanes that only says where they might
+// be hit; the test that defines hits (polygon.hpp) then decides on the one that seems nearest, and on others
+// only where the fast test cannot tell them apart. Most rays need it once, most shadow rays not at all.
+//
+// Blocks hold polygons whose normals have the same dominant axis k; i and j follow it cyclically. A polygon
+// lies in the plane p_k + n_i p_i + n_j p_j = n_0, |n_i| and |n_j| <= 1, and two functions U, V of p_i and
+// p_j map it into the square |U|, |V| <= 1/2; a triangle a, b, c also has V <= U.
+//
+// Error bounds, with u = 2^-24, o and d the ray, D = max |d|, m = max |o|, M = m + extent, G = 1 + |n_i| +
+// |n_j| and det = d_k + n_i d_i + n_j d_j, so |det| <= GD. Where the defining test finds a hit, there is a
+// point q of the polygon (ray_frame.hpp) whose distance from the ray's point at some depth s is 6uM or less
+// by coordinate. Hence s det = (n_0 - n . o) + e with |e| <= 6uGM. Rounding adds 10uGM to n_0 - n . o, and
+// 3uGD |s| <= 3uGM to det, so that t = (n_0 - n . o) / det as computed differs from s by at most 20uGM /
+// |det|.
+//
+// The distance of the definition is a mean of corners' distances by weights that are each off by 4uQ, where
+// Q <= 4 L^2 and L is the polygon's largest extent; their sum is |N_k det| / D for N = (b - a) x (c - a).
+// That makes it differ from s by 48u L^3 / |N_k det| for the weights and by 6uM / D <= 6uGM / |det| for the
+// rest; being raised to the entry of the padded box, which is <= s, cannot add to that. In all by less than
+// (32uGM + 48u L^3 / |N_k|) / |det|, the depth error.
+//
+// The point o + t d differs from q by 20uGM D / |det| + 8uM, which the functions multiply by K, the sum of
+// their absolute coefficients, and to which they add 4uKM: less than 32uKGM D / |det|, the position error.
+//
+// A hit at t > 0 has n_0 - n . o >= -(9uGM + 5uGm) in the direction of det, since near the plane rounding
+// adds but 5uGm; as m <= M, that is less than 14uGM, the plane error. Rays that leave a polygon mostly start
+// beyond that (surface.hpp), so that it need not be tested.
+//
+// Conversely, a point in the square by 9uKM (1 + GD / |det|) besides the position error lies in the sheared
+// polygon, whose corners are off by 6uM by coordinate; twice the position error covers that, so a hit is
+// sure. Corners off the plane count as part of G. All errors are in units of 32uM max(D, 1) / |det|, which is
+// not less than what they were derived with. Comparisons are such that NaN counts as unsure.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/quad_block.hpp"
+#include "geometry/shapes.hpp"
+
+namespace mlt {
+
+/// kLanes polygons of one dominant axis. Unused lanes reject all rays, by a scale of minus infinity.
+struct alignas(64) FlatBlock {
+  LaneFloat normal_i, normal_j, offset;    ///< n_i, n_j, n_0
+  LaneFloat u_i, u_j, u_0, v_i, v_j, v_0;  ///< U = u_i p_i + u_j p_j + u_0
+  // In units of FlatRay::error / |det|; the last two negative.
+  LaneFloat plane_error, depth_error, position_error;
+  LaneFloat inner;     ///< the square within which hits can be sure: about 1/2, or none
+  LaneInt slot;        ///< in FlatList::polygons
+  std::uint32_t axis;  ///< k
+};
+
+/// A polygon with its box.
+struct alignas(64) FlatPolygon {
+  QuadRecord quad;
+  float low[3];
+  std::uint32_t slot;  ///< counted over all lists
+  float high[3];
+  std::uint32_t padding;
+};
+
+/// Blocks of a list; their slots are bits of a float that do not matter.
+inline constexpr int kFlatBlocks = 128 / kLanes;
+inline constexpr std::int32_t kFlatSlots = kFlatBlocks * kLanes;
+/// Three axes, of quads and then of triangles.
+inline constexpr int kFlatGroups = 6;
+/// So many polygons fit, however they are spread over groups.
+inline constexpr std::uint32_t kFlatPolygons = (kFlatBlocks - kFlatGroups + 1) * kLanes;
+
+struct FlatList {
+  FlatBlock blocks[kFlatBlocks];
+  FlatPolygon polygons[kFlatSlots];
+  std::uint32_t quad_blocks, blocks_used;  ///< those of quads come first
+};
+
+/// Fills `list`, which lies in zeroed memory, by those polygons of `quads` that have an area.
+class FlatListBuilder {
+ public:
+  /// `first_slot` is that of the list's first polygon. No coordinate is beyond `extent`.
+  FlatListBuilder(FlatList& list, std::uint32_t first_slot, float extent);
+  /// The group of a quad.
+  static int group_of(const Quad& quad);
+  /// In order of groups; kFlatPolygons at most.
+  void add(int group, const Quad& quad, const FlatPolygon& polygon);
+  void finish();
+
+ private:
+  void begin_group(int group);
+
+  FlatList& list_;
+  std::uint32_t first_slot_;
+  float extent_;
+  int group_ = 0;
+  std::uint32_t slot_ = 0;
+};
+
+/// What the fast test needs of a ray.
+struct FlatRay {
+  LaneFloat origin[5], direction[5];  ///< x, y, z, x, y
+  LaneFloat error;                    ///< 32uM max(D, 1)
+
+  MLT_INLINE FlatRay(const Ray& ray, const RayLanes& lanes, float extent) {
+#pragma GCC unroll 8
+    for (int i = 0; i < 5; ++i) {
+      origin[i] = broadcast((&ray.origin.x)[i % 3]);
+      direction[i] = broadcast((&ray.direction.x)[i % 3]);
+    }
+    const float longest = lanes.longest[0];
+    error = broadcast((lanes.distance + extent) * (0x1p-19f * (longest > 1.0f ? longest : 1.0f)));
+  }
+};
+
+/// Where polygons of a block might be hit.
+struct FlatBounds {
+  LaneFloat first;   ///< no hit lies before; 0 or more
+  LaneInt rejected;  ///< no hit at all
+  LaneInt sure;      ///< the ray meets the polygon at 0 < t < limit
+};
+
+template <bool kTriangles, bool kSure>
+MLT_INLINE FlatBounds bound_hits(const FlatBlock& block, const FlatRay& ray,
+                                 [[maybe_unused]] LaneFloat limit) {
+  const LaneFloat* const origin = ray.origin + block.axis;
+  const LaneFloat* const direction = ray.direction + block.axis;
+  // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
+  const LaneFloat height = mul_add_bound(block.normal_j, origin[2],
+                                         mul_add_bound(block.normal_i, origin[1], origin[0] - block.offset));
+  const LaneFloat inverse = -1.0f / mul_add_bound(block.normal_j, direction[2],
+                                                  mul_add_bound(block.normal_i, direction[1], direction[0]));
+  const LaneFloat error = abs_lanes(inverse) * ray.error;
+  const LaneFloat t = height * inverse;
+  const LaneFloat p_i = mul_add_bound(t, direction[1], origin[1]);
+  const LaneFloat p_j = mul_add_bound(t, direction[2], origin[2]);
+  const LaneFloat u = mul_add_bound(block.u_j, p_j, mul_add_bound(block.u_i, p_i, block.u_0));
+  const LaneFloat v = mul_add_bound(block.v_j, p_j, mul_add_bound(block.v_i, p_i, block.v_0));
+  LaneFloat off = max_lanes(abs_lanes(u), abs_lanes(v));
+  if constexpr (kTriangles) off = max_lanes(off, (v - u) + 0.5f);
+  const LaneFloat zero{};
+  const LaneFloat first = mul_add_bound(error, block.depth_error, t);
+  FlatBounds bounds;
+  bounds.first = max_lanes(first, zero);
+  bounds.rejected = (mul_add_bound(error, block.plane_error, t) <= zero) |
+                    (mul_add_bound(error, block.position_error, off) > broadcast(0.5f));
+  if constexpr (kSure) {
+    bounds.rejected |= first > limit;
+    // Twice the position error, and the depth error to the other side.
+    const LaneFloat sure_off = mul_add_bound(error, -2.0f * block.position_error, off);
+    bounds.sure = (sure_off < block.inner) & (first > zero) & ((t + t) - first < limit);
+  }
+  return bounds;
+}
+
+/// Where the ray enters the padded box.
+MLT_INLINE float box_entry(const FlatPolygon& polygon, const RaySlabs& slabs) {
+  const Float4 plane = select4(slabs.backwards, load_float4(polygon.high), load_float4(polygon.low));
+  const Float4 entry = (plane - slabs.near_origin) * slabs.inverse;
+  float most = entry[0] > 0.0f ? entry[0] : 0.0f;
+  most = entry[1] > most ? entry[1] : most;
+  return entry[2] > most ? entry[2] : most;
+}
+
+/// Smallest of all lanes.
+MLT_INLINE float smallest_lane(LaneFloat v) {
+#if defined(__AVX2__)
+  v = min_lanes(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+  v = min_lanes(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+  v = min_lanes(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
+#else
+  v = min_lanes(v, __builtin_shufflevector(v, v, 2, 3, 0, 1));
+  v = min_lanes(v, __builtin_shufflevector(v, v, 1, 0, 3, 2));
+#endif
+  return v[0];
+}
+
+/// A key, whose lowest bits are a slot, is not above this if what it stands for is not above `limit`.
+MLT_INLINE float key_limit(float limit) {
+  constexpr float kFarthest = 0x1p125f;
+  const float finite = limit < kFarthest ? limit : kFarthest;
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(finite) + kFlatSlots);
+}
+
+/// Calls test(polygon) -> new limit, for polygons of the list that the ray might meet before the limit, the
+/// likeliest first.
+template <class Test>
+MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float limit, Test&& test) {
+  // First distances with slots in the lowest bits.
+  constexpr float kNever = 0x1p126f;
+  LaneFloat keys[kFlatBlocks];
+  LaneFloat least = broadcast(kNever), second = least;
+  const auto bound = [&](std::uint32_t i, const FlatBounds& bounds) __attribute__((always_inline)) {
+    const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | list.blocks[i].slot;
+    keys[i] = or_lanes(bounds.rejected, floats_of(key));
+    // The order of arguments passes over NaN.
+    second = min_lanes(max_lanes(least, keys[i]), second);
+    least = min_lanes(keys[i], least);
+  };
+  const std::uint32_t count = list.blocks_used;
+  std::uint32_t i = 0;
+  for (; i < list.quad_blocks; ++i) bound(i, bound_hits<false, false>(list.blocks[i], ray, least));
+  for (; i < count; ++i) bound(i, bound_hits<true, false>(list.blocks[i], ray, least));
+  for (;;) {
+    const float nearest = smallest_lane(least);
+    if (!(nearest <= key_limit(limit))) return;
+    const std::int32_t slot = std::bit_cast<std::int32_t>(nearest) & (kFlatSlots - 1);
+    limit = test(list.polygons[slot]);
+    const LaneFloat rest = min_lanes(or_lanes(least == broadcast(nearest), least), second);
+    if (lane_bits(rest <= broadcast(key_limit(limit))) == 0) [[likely]]
+      return;
+    least = second = broadcast(kNever);
+    for (i = 0; i < count; ++i) {
+      const LaneFloat key = or_lanes(keys[i] <= broadcast(nearest), keys[i]);
+      second = min_lanes(max_lanes(least, key), second);
+      least = min_lanes(key, least);
+    }
+  }
+}
+
+/// Whether the list blocks the ray, where test(polygon) decides for polygons on which there is doubt.
+template <class Test>
+MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat limit, Test&& test) {
+  LaneInt rejected[kFlatBlocks];
+  LaneInt all = bits_of(limit) | -1;
+  LaneInt sure{};
+  const auto bound = [&](std::uint32_t i, const FlatBounds& bounds) __attribute__((always_inline)) {
+    sure |= bounds.sure;
+    all &= bounds.rejected;
+    rejected[i] = bounds.rejected;
+  };
+  const std::uint32_t count = list.blocks_used;
+  std::uint32_t i = 0;
+  for (; i < list.quad_blocks; ++i) bound(i, bound_hits<false, true>(list.blocks[i], ray, limit));
+  for (; i < count; ++i) bound(i, bound_hits<true, true>(list.blocks[i], ray, limit));
+  if (lane_bits(sure) != 0) return true;
+  constexpr unsigned kAll = (1U << kLanes) - 1;
+  if (lane_bits(all) == kAll) return false;
+  for (i = 0; i < count; ++i) {
+    unsigned bits = ~lane_bits(rejected[i]) & kAll;
+    while (bits != 0) {
+      if (test(list.polygons[static_cast<int>(i) * kLanes + take_lowest(bits)])) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace mlt
