@@ -78,6 +78,9 @@ class PixelSampler : public FloatSamples<PixelSampler> {
 
   void skip(std::uint32_t count) { dimension_ += count; }
 
+  /// How far the path has come: samples asked for or skipped since start().
+  std::uint32_t dimension() const { return dimension_; }
+
  private:
   struct PairSample {
     std::uint32_t first, second;

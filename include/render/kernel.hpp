@@ -24,6 +24,7 @@ inline constexpr std::uint32_t kTileSide = 16;  ///< pixels; the path tracer's u
 /// What the path tracer counts for each tile.
 struct TileStatistics {
   LuminanceMoments luminance;
+  std::uint64_t primary_samples = 0;  ///< that the paths asked for
   DefectCounts defects;
 };
 

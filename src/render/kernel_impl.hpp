@@ -80,6 +80,7 @@ void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStora
       sum.add(splat.value, quarter_of(i, count));
       statistics.luminance.add(luminance(splat.value));
     });
+    statistics.primary_samples += sampler.dimension();
   }
   storage.image[pixel] = develop_pixel(sum, (storage.round + 1) * count);
 }
@@ -108,6 +109,7 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
     }
   }
   storage.tiles[tile].luminance.add(statistics.luminance);
+  storage.tiles[tile].primary_samples += statistics.primary_samples;
   storage.tiles[tile].defects.add(statistics.defects);
   storage.done.fetch_add(std::uint64_t{last_x - first_x} * (last_y - first_y) * job.samples_per_pixel,
                          std::memory_order_relaxed);

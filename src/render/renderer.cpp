@@ -67,6 +67,7 @@ struct Renderer::State {
   void collect_path();
   bool wants_another_round();
   EstimateContext error_context() const;
+  std::vector<PixelDifferences> differences() const;
   void estimate();
   static void report_progress(void* state);
 
@@ -177,6 +178,7 @@ void Renderer::State::develop_metropolis(const ChainStatistics& total) {
   const std::uint64_t large_steps = total.large_steps.count;
   statistics.samples = storage.bootstrap_moments.count + total.mutations;
   statistics.mutations = total.mutations;
+  statistics.primary_samples = total.primary_samples;
   statistics.b = moments.mean();
   statistics.b_standard_error = moments.standard_error();
   statistics.acceptance_large =
@@ -201,6 +203,7 @@ void Renderer::State::collect_path() {
   LuminanceMoments moments;
   for (const TileStatistics& tile : storage.tiles) {
     moments.add(tile.luminance);
+    statistics.primary_samples += tile.primary_samples;
     add_defects(statistics, tile.defects);
   }
   statistics.samples = moments.count;
@@ -328,16 +331,31 @@ ImageView Renderer::image() const {
   return {state_->plan.job.width, state_->plan.job.height, state_->storage.image};
 }
 
+std::vector<PixelDifferences> Renderer::State::differences() const {
+  std::vector<PixelDifferences> all(plan.pixel_count());
+  if (!statistics.error.known) return all;
+  const EstimateContext context = error_context();
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = differences_of(context, i);
+  return all;
+}
+
 ImageBuffer Renderer::standard_errors() const {
-  const State& state = *state_;
-  const RenderJob& job = state.plan.job;
-  std::vector<PixelDifferences> differences(state.plan.pixel_count());
-  if (state.statistics.error.known) {
-    const EstimateContext context = state.error_context();
-    for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = differences_of(context, i);
+  const RenderJob& job = state_->plan.job;
+  return {
+      job.width, job.height,
+      smooth_standard_errors(state_->differences(), state_->statistics.error.factor, job.width, job.height)};
+}
+
+ImageBuffer Renderer::variances() const {
+  const RenderJob& job = state_->plan.job;
+  const auto factor = static_cast<float>(state_->statistics.error.factor);
+  ImageBuffer image{job.width, job.height, {}};
+  for (const PixelDifferences& pixel : state_->differences()) {
+    const Vec3 squares{static_cast<float>(pixel.halves[0]), static_cast<float>(pixel.halves[1]),
+                       static_cast<float>(pixel.halves[2])};
+    image.pixels.push_back(squares * factor);
   }
-  return {job.width, job.height,
-          smooth_standard_errors(differences, state.statistics.error.factor, job.width, job.height)};
+  return image;
 }
 
 }  // namespace mlt
