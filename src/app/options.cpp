@@ -187,7 +187,8 @@ std::vector<OptionSpec> options_of(CommandKind command) {
 }
 
 bool OptionSpec::is_used_by(IntegratorKind kind) const {
-  return integrators.empty() || std::find(integrators.begin(), integrators.end(), kind) != integrators.end();
+  return integrators.empty() || kind == IntegratorKind::automatic ||
+         std::find(integrators.begin(), integrators.end(), kind) != integrators.end();
 }
 
 std::vector<OptionSpec> method_options() {
@@ -206,7 +207,8 @@ std::vector<std::string> command_names() {
 
 #define MLT_KIND(name, help) NamedKind{with_hyphens(#name), help},
 const std::vector<NamedKind>& integrator_kinds() {
-  static const std::vector<NamedKind> kinds{MLT_INTEGRATOR_KINDS(MLT_KIND)};
+  static const std::vector<NamedKind> kinds{
+      MLT_INTEGRATOR_KINDS(MLT_KIND){"auto", "the one of them that a short pilot render finds better"}};
   return kinds;
 }
 
