@@ -16,18 +16,19 @@
 namespace mlt {
 
 /// A job of fewer samples or mutations in all has no pilot, which could not tell much, and is path traced.
-inline constexpr std::uint64_t kLeastPiloted = std::uint64_t{1} << 20;
+inline constexpr std::uint64_t kLeastPiloted = std::uint64_t{1} << 19;
 
 /// PSSMLT is taken where its pilot needed so many times less work than the path tracer's for the same error.
 /// More than 1, because short chains have not met their rare large errors yet: calibrated in docs/RESULTS.md.
-inline constexpr double kPilotThreshold = 1.65;
+inline constexpr double kPilotThreshold = 1.4;
 
-/// What one integrator's pilot showed.
+/// What one integrator's pilot showed, as the mean over rounds of equal size.
 struct PilotRender {
   ImageBuffer image;
-  ImageBuffer variances;       ///< of the image's channels, each from one difference
-  double per_pixel = 0;        ///< samples or mutations
-  double primary_samples = 0;  ///< a path, on average
+  ImageBuffer variances;       ///< of the image's channels in one round, each from one difference a round
+  double per_pixel = 0;        ///< samples or mutations of one round
+  double paths = 0;            ///< of all rounds
+  double primary_samples = 0;  ///< that these paths asked for
   bool found_light = false;
 };
 

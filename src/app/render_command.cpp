@@ -135,7 +135,11 @@ ExitCode run_info(const InfoCommand& command) {
 
   std::string text;
   for (const InfoLine& line : renderer.info()) text += fmt::format("{:<32}{}\n", line.name, line.value);
-  if (record.pilot) text += fmt::format("{:<32}{}\n", "choice", describe(*record.pilot));
+  if (record.pilot) {
+    text += fmt::format("{:<32}{}\n", "choice", describe(*record.pilot));
+    text += fmt::format("{:<32}{:.3f} s, processors busy {:.3f} s\n", "pilot", record.pilot->wall_seconds,
+                        record.pilot->cpu_seconds);
+  }
   text += fmt::format("{:<32}{}\n", "command", canonical_command(command.scene, job, 0, job.max_rounds));
   const MemoryPlan& plan = renderer.memory_plan();
   text += "\nmemory plan (blocks of the scene's compilation and of the render share their storage)\n";

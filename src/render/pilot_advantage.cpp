@@ -13,7 +13,10 @@ namespace {
 constexpr double kChainCost = 0.85;
 /// Neighbours in how many rows and columns on each side tell a pixel's radiance.
 constexpr std::size_t kFarReach = 8;
-constexpr std::size_t kNearReach = 1;
+constexpr std::size_t kNearReach = 2;
+/// One in so many pixels is left out, those of the largest errors. Where a small lamp is seen, one of the
+/// path tracer's samples that hits it would otherwise outweigh all others, and most pilots have none.
+constexpr std::size_t kLeftOut = 2000;
 
 /// Three channels a pixel, rows from top to bottom.
 struct Plane {
@@ -74,8 +77,9 @@ Plane blurred(const Plane& plane, std::size_t reach) {
 
 /// The radiance that errors are relative to. It must be the same for both, and may not come from a pixel
 /// alone: divided by its own image, noisy as a pilot is, PSSMLT looked up to 25 times too good. The means
-/// over many pixels hold where light is smooth. Over few pixels they limit what one lucky path adds. A pixel
-/// in which both agree on more shows a small lamp or its mirror image, whose radiance is known well.
+/// over many pixels hold where light is smooth. Over few pixels they limit what one lucky path adds. Where
+/// both images agree, to a pixel, on more, there is a small lamp or its mirror image, whose radiance is known
+/// well.
 Plane common_radiance(const Plane& path, const Plane& pssmlt) {
   Plane pooled = path;
   for (std::size_t i = 0; i < pooled.values.size(); ++i) {
@@ -89,12 +93,21 @@ Plane common_radiance(const Plane& path, const Plane& pssmlt) {
   return pooled;
 }
 
+/// The mean but for the largest, kLeftOut of all: each may be one lucky path.
 double mean_relative_error(const Plane& variances, const Plane& radiance) {
-  double sum = 0;
-  for (std::size_t i = 0; i < variances.values.size(); ++i) {
-    sum += variances.values[i] / (radiance.values[i] * radiance.values[i] + kRelativeErrorOffset);
+  std::vector<double> errors(variances.values.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    errors[i] = variances.values[i] / (radiance.values[i] * radiance.values[i] + kRelativeErrorOffset);
   }
-  return sum / static_cast<double>(variances.values.size());
+  std::sort(errors.begin(), errors.end());
+  const std::size_t kept = errors.size() - errors.size() / kLeftOut;
+  double sum = 0;
+  for (std::size_t i = 0; i < kept; ++i) sum += errors[i];
+  return sum / static_cast<double>(kept);
+}
+
+double samples_per_path(const PilotRender& render) {
+  return render.primary_samples / render.paths;
 }
 
 }  // namespace
@@ -104,10 +117,10 @@ double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt) {
   const Plane radiance =
       common_radiance(plane_of(path.image), reduced(plane_of(pssmlt.image), width, height));
   const double path_work =
-      mean_relative_error(plane_of(path.variances), radiance) * path.per_pixel * path.primary_samples;
+      mean_relative_error(plane_of(path.variances), radiance) * path.per_pixel * samples_per_path(path);
   const double chain_work =
       mean_relative_error(reduced(plane_of(pssmlt.variances), width, height), radiance) * pssmlt.per_pixel *
-      pssmlt.primary_samples * kChainCost;
+      samples_per_path(pssmlt) * kChainCost;
   // A film without noise, of light that is seen directly, leaves nothing to gain.
   return path_work > 0.0 && chain_work > 0.0 ? path_work / chain_work : 0.0;
 }

@@ -61,7 +61,7 @@ TEST_CASE("jobs too small for a pilot say so, and faults are those of the integr
   const ProgramResult small =
       folder.run({"render", "scene.txt", "--integrator", "auto", "--spp", "16", "-o", "a.pfm"});
   CHECK(small.code == code_of(ExitCode::kOk));
-  CHECK_THAT(small.error, Catch::Contains("path: no pilot for a job of fewer than 1048576 samples"));
+  CHECK_THAT(small.error, Catch::Contains("path: no pilot for a job of fewer than 524288 samples"));
   const ProgramResult timed = folder.run(
       {"render", "scene.txt", "--integrator", "auto", "--time", "0.001", "--spp", "4", "-o", "t.pfm"});
   CHECK(timed.code == code_of(ExitCode::kOk));

@@ -18,7 +18,12 @@ ImageBuffer constant(std::uint32_t width, std::uint32_t height, float value) {
 /// A picture of one radiance and one variance everywhere.
 PilotRender flat(std::uint32_t side, float radiance, float variance, double per_pixel,
                  double primary_samples) {
-  return {constant(side, side, radiance), constant(side, side, variance), per_pixel, primary_samples, true};
+  return {constant(side, side, radiance),
+          constant(side, side, variance),
+          per_pixel,
+          10,
+          10 * primary_samples,
+          true};
 }
 
 /// `integrator` is left to the pilot.
@@ -62,17 +67,27 @@ TEST_CASE("both errors are relative to one radiance, and a small lamp to its own
   // Were each divided by its own picture, twice the radiance would be a quarter of the error.
   const double even = pilot_advantage(flat(40, 1, 1, 1, 1), flat(40, 1, 1, 1, 1));
   CHECK(pilot_advantage(flat(40, 0.5f, 1, 1, 1), flat(40, 1.5f, 1, 1, 1)) == Approx(even).epsilon(1e-12));
-  // A lamp of one pixel, 1e4 times as bright as all else, with as much relative noise in the path tracer's
-  // picture: one pixel of 1600 more, and not 1e8 times one.
-  PilotRender path = flat(40, 1, 1, 1, 1), chains = path;
-  path.image.pixels[820] = chains.image.pixels[820] = Vec3{1e4f, 1e4f, 1e4f};
-  path.variances.pixels[820] = Vec3{1e8f, 1e8f, 1e8f};
-  // Its neighbours are dimmer than the mean around them then, in both pictures alike.
-  CHECK(pilot_advantage(path, chains) < 3 * even);
-  // The same pixel as a firefly, which the chains do not confirm, is an error, if not one of 1e8: the mean
-  // over its 9 neighbours and both pictures has 1/18 of it.
-  chains.image.pixels[820] = Vec3{1, 1, 1};
-  CHECK(pilot_advantage(path, chains) > 1.15 * even);
+  // Lamps of one pixel each, 1e4 times as bright as all else, with as much relative noise in the path
+  // tracer's picture: ten pixels of 3600 more, and not 1e8 times ten.
+  PilotRender path = flat(60, 1, 1, 1, 1), chains = path;
+  const auto place = [](ImageBuffer& image, std::size_t count, float value) {
+    for (std::size_t i = 0; i < count; ++i) image.pixels[620 + 250 * i] = Vec3{value, value, value};
+  };
+  place(path.image, 10, 1e4f);
+  place(chains.image, 10, 1e4f);
+  place(path.variances, 10, 1e8f);
+  const double lamps = pilot_advantage(path, chains);
+  // Around them the mean is bright, for both alike, so that few other pixels count.
+  CHECK(lamps < 10 * even);
+  // As fireflies, which the chains do not confirm, they are errors.
+  place(chains.image, 10, 1);
+  CHECK(pilot_advantage(path, chains) > 10 * lamps);
+  // A single one is left out, one in 2000 of all values, and hardly moves anything.
+  PilotRender lucky = flat(60, 1, 1, 1, 1);
+  const PilotRender calm = lucky;
+  place(lucky.image, 1, 1e4f);
+  place(lucky.variances, 1, 1e8f);
+  CHECK(pilot_advantage(lucky, calm) == Approx(even).epsilon(0.05));
 }
 
 TEST_CASE("the choice is that of the measurements, and the same from all threads and instruction sets") {
@@ -85,7 +100,7 @@ TEST_CASE("the choice is that of the measurements, and the same from all threads
   CHECK(expected.advantage < 0.5);
   // A few per cent of the job, and never nothing.
   CHECK(expected.paths < 64 * 64 * 256 / 16);
-  CHECK(expected.paths > 64 * 64 * 256 / 32);
+  CHECK(expected.paths > 64 * 64 * 256 / 64);
   const auto check_same = [&] {
     const PilotFinding found = find(box, request);
     CHECK(found.chosen == expected.chosen);
@@ -115,6 +130,26 @@ TEST_CASE("chains are chosen where light turns two corners") {
   CHECK_THAT(describe(found), Catch::StartsWith("pssmlt: in a pilot of"));
 }
 
+TEST_CASE("a choice that is not clear takes up to three rounds") {
+  // The advantage is about 1 here (docs/RESULTS.md). A round takes 1/144 and 1/72 of the work, and an eighth
+  // of the latter for the bootstrap; the path tracer's film is rounded down to whole pixels.
+  const SceneDescription spheres = parse_scene_file("scenes/spheres.txt");
+  const double one_round = 128.0 * 128 * 64 * (1.0 / 144 + 1.125 / 72);
+  double most = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    RenderRequest request = automatic(128, 128, 64);
+    request.seed = seed;
+    const PilotFinding found = find(spheres, request);
+    CHECK(found.outcome == PilotOutcome::compared);
+    const double rounds = static_cast<double>(found.paths) / one_round;
+    most = std::max(most, rounds);
+    CHECK(
+        (rounds > 2.8 || found.advantage > 2.4 * kPilotThreshold || found.advantage < kPilotThreshold / 2.4));
+    CHECK(rounds < 3.01);
+  }
+  CHECK(most > 1.9);
+}
+
 TEST_CASE("light that is seen directly has no noise, and is path traced") {
   const PilotFinding found = find(parse_scene_file("scenes/conductor.txt"), automatic(128, 128, 64));
   CHECK(found.chosen == IntegratorKind::path);
@@ -122,15 +157,15 @@ TEST_CASE("light that is seen directly has no noise, and is path traced") {
 
 TEST_CASE("there is no pilot where there is nothing to choose") {
   const SceneDescription box = parse_scene_file("scenes/CornellBox.txt");
-  PilotFinding found = find(box, automatic(64, 64, 255));
+  PilotFinding found = find(box, automatic(64, 64, 127));
   CHECK(found.outcome == PilotOutcome::too_small);
   CHECK((found.chosen == IntegratorKind::path && found.paths == 0));
-  CHECK_THAT(describe(found), Catch::Contains("1048576"));
+  CHECK_THAT(describe(found), Catch::Contains("524288"));
   // Rounds count.
-  RenderRequest request = automatic(32, 32, 256);
+  RenderRequest request = automatic(32, 32, 128);
   request.rounds = 4;
   CHECK(find(box, request).outcome == PilotOutcome::compared);
-  request.max_per_pixel = 512;
+  request.max_per_pixel = 511;
   CHECK(find(box, request).outcome == PilotOutcome::too_small);
   found = find(box, automatic(2048, 2048, 1024));
   CHECK(found.outcome == PilotOutcome::too_large);
