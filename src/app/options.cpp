@@ -69,13 +69,13 @@ void add_job_option(std::vector<OptionSpec>& table, const char* name, const char
 /// What decides the image, apart from the scene; all of these and of add_settings are in the command stored
 /// with the image.
 void add_job_options(std::vector<OptionSpec>& table) {
-  const RenderRequest defaults;
   const auto add = [&table](const char* name, const char* value, std::string help) {
     add_job_option(table, name, value, std::move(help));
   };
   add("--integrator", "NAME",
-      fmt::format("{}. Default: {}", list_of(integrator_kinds()),
-                  name_of(integrator_kinds(), defaults.integrator)));
+      fmt::format("{}. Default: {}, or {} where a setting of it alone is given", list_of(integrator_kinds()),
+                  name_of(integrator_kinds(), IntegratorKind::automatic),
+                  name_of(integrator_kinds(), IntegratorKind::pssmlt)));
   add("--spp", "N",
       fmt::format("work per pixel: samples (path) or mutations (pssmlt), 1 to {}", kMaxSamplesPerPixel));
   add("--mutations", "N", "another name of --spp; only one of the two may be given");

@@ -24,27 +24,18 @@ struct Plane {
   std::vector<double> values;
 };
 
-Plane plane_of(const ImageBuffer& image) {
-  Plane plane{image.width, image.height, {}};
-  plane.values.reserve(image.pixels.size() * 3);
-  for (const Vec3& pixel : image.pixels) {
-    for (int c = 0; c < 3; ++c) plane.values.push_back(pixel[c]);
-  }
-  return plane;
-}
-
 /// To a film of width x height pixels, which is not larger: the means of those that lie in each.
-Plane reduced(const Plane& plane, std::uint32_t width, std::uint32_t height) {
-  MLT_CHECK(width <= plane.width && height <= plane.height);
+Plane reduced(const ImageBuffer& image, std::uint32_t width, std::uint32_t height) {
+  MLT_CHECK(width <= image.width && height <= image.height);
   Plane result{width, height, std::vector<double>(std::size_t{width} * height * 3)};
   std::vector<double> counts(std::size_t{width} * height);
-  for (std::uint32_t y = 0; y < plane.height; ++y) {
-    const std::size_t row = std::size_t{y} * height / plane.height * width;
-    for (std::uint32_t x = 0; x < plane.width; ++x) {
-      const std::size_t target = row + std::size_t{x} * width / plane.width;
-      const std::size_t source = std::size_t{y} * plane.width + x;
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    const std::size_t row = std::size_t{y} * height / image.height * width;
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const std::size_t target = row + std::size_t{x} * width / image.width;
+      const Vec3& pixel = image.pixels[std::size_t{y} * image.width + x];
       counts[target] += 1;
-      for (std::size_t c = 0; c < 3; ++c) result.values[target * 3 + c] += plane.values[source * 3 + c];
+      for (int c = 0; c < 3; ++c) result.values[target * 3 + static_cast<std::size_t>(c)] += pixel[c];
     }
   }
   for (std::size_t i = 0; i < result.values.size(); ++i) result.values[i] /= counts[i / 3];
@@ -114,13 +105,12 @@ double samples_per_path(const PilotRender& render) {
 
 double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt) {
   const std::uint32_t width = path.image.width, height = path.image.height;
-  const Plane radiance =
-      common_radiance(plane_of(path.image), reduced(plane_of(pssmlt.image), width, height));
+  const auto plane_of = [&](const ImageBuffer& image) { return reduced(image, width, height); };
+  const Plane radiance = common_radiance(plane_of(path.image), plane_of(pssmlt.image));
   const double path_work =
       mean_relative_error(plane_of(path.variances), radiance) * path.per_pixel * samples_per_path(path);
-  const double chain_work =
-      mean_relative_error(reduced(plane_of(pssmlt.variances), width, height), radiance) * pssmlt.per_pixel *
-      samples_per_path(pssmlt) * kChainCost;
+  const double chain_work = mean_relative_error(plane_of(pssmlt.variances), radiance) * pssmlt.per_pixel *
+                            samples_per_path(pssmlt) * kChainCost;
   // A film without noise, of light that is seen directly, leaves nothing to gain.
   return path_work > 0.0 && chain_work > 0.0 ? path_work / chain_work : 0.0;
 }

@@ -67,7 +67,6 @@ struct Renderer::State {
   void collect_path();
   bool wants_another_round();
   EstimateContext error_context() const;
-  std::vector<PixelDifferences> differences() const;
   void estimate();
   static void report_progress(void* state);
 
@@ -331,29 +330,28 @@ ImageView Renderer::image() const {
   return {state_->plan.job.width, state_->plan.job.height, state_->storage.image};
 }
 
-std::vector<PixelDifferences> Renderer::State::differences() const {
-  std::vector<PixelDifferences> all(plan.pixel_count());
-  if (!statistics.error.known) return all;
-  const EstimateContext context = error_context();
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = differences_of(context, i);
-  return all;
-}
-
 ImageBuffer Renderer::standard_errors() const {
-  const RenderJob& job = state_->plan.job;
-  return {
-      job.width, job.height,
-      smooth_standard_errors(state_->differences(), state_->statistics.error.factor, job.width, job.height)};
+  const State& state = *state_;
+  const RenderJob& job = state.plan.job;
+  std::vector<PixelDifferences> differences(state.plan.pixel_count());
+  if (state.statistics.error.known) {
+    const EstimateContext context = state.error_context();
+    for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = differences_of(context, i);
+  }
+  return {job.width, job.height,
+          smooth_standard_errors(differences, state.statistics.error.factor, job.width, job.height)};
 }
 
 ImageBuffer Renderer::variances() const {
-  const RenderJob& job = state_->plan.job;
-  const auto factor = static_cast<float>(state_->statistics.error.factor);
-  ImageBuffer image{job.width, job.height, {}};
-  for (const PixelDifferences& pixel : state_->differences()) {
-    const Vec3 squares{static_cast<float>(pixel.halves[0]), static_cast<float>(pixel.halves[1]),
-                       static_cast<float>(pixel.halves[2])};
-    image.pixels.push_back(squares * factor);
+  const State& state = *state_;
+  ImageBuffer image{state.plan.job.width, state.plan.job.height, std::vector<Vec3>(state.plan.pixel_count())};
+  if (!state.statistics.error.known) return image;
+  const EstimateContext context = state.error_context();
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const PixelDifferences pixel = differences_of(context, i);
+    for (int c = 0; c < 3; ++c) {
+      image.pixels[i][c] = static_cast<float>(state.statistics.error.factor * pixel.halves[c]);
+    }
   }
   return image;
 }
