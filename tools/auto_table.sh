@@ -92,7 +92,7 @@ row() {
       seeds = choices["path"] + choices["pssmlt"]
       for (m in e) { work[m] = e[m] * least[m]; auto += choices[m] / seeds * e[m] * (least[m] + pilot) }
       best = work["path"] < work["pssmlt"] ? work["path"] : work["pssmlt"]
-      ratio = exact ? "0" : sprintf("%.3g", work["path"] / work["pssmlt"])
+      ratio = exact ? "exact" : sprintf("%.3g", work["path"] / work["pssmlt"])
       printf "| %s | %s | %d of %d | %.2f s | %.2f |\n", name, ratio, choices["pssmlt"], seeds, pilot, \
         best / auto
     }' "$out/$1/converge.csv" "$out/$1/choices.txt"

@@ -171,6 +171,10 @@ std::string summary(const RenderRecord& record) {
     text += fmt::format("{:<22}{}\n", name, value);
   };
   if (record.pilot) add("integrator", describe(*record.pilot));
+  if (record.pilot && record.pilot->paths > 0) {
+    add("pilot", fmt::format("{:.3f} s, processors busy {:.3f} s", record.pilot->wall_seconds,
+                             record.pilot->cpu_seconds));
+  }
   if (statistics.partial) add("partial", "stopped before the end; the image shows what was done");
   add("time",
       fmt::format("{:.3f} s, processors busy {:.3f} s", statistics.wall_seconds, statistics.cpu_seconds));

@@ -34,6 +34,7 @@ TEST_CASE("the image of auto is that of the command it names, which needs no pil
   REQUIRE(chosen.code == code_of(ExitCode::kOk));
   CHECK_THAT(value_of(chosen.error, "integrator"), Catch::StartsWith("path: in a pilot of"));
   CHECK_THAT(chosen.error, !Catch::Contains("has no effect"));
+  CHECK_THAT(value_of(chosen.error, "\npilot"), Catch::Contains(" s, processors busy "));
   const std::string statistics = read_text(folder / "a.json");
   for (const char* part :
        {"\"choice\": \"path: in a pilot of", "\"pilot_advantage\": 0.", "\"pilot_paths\": ",
