@@ -8,6 +8,7 @@
 #include "base/json_string.hpp"
 #include "image/image_io.hpp"
 #include "render/job.hpp"
+#include "render/pilot.hpp"
 #include "render/renderer.hpp"
 
 namespace mlt {
@@ -24,7 +25,8 @@ std::string canonical_command(const std::string& scene, const RenderJob& job, fl
 struct RenderRecord {
   RenderJob job;
   RenderStatistics statistics;
-  std::string command;  ///< canonical_command
+  std::string command;                ///< canonical_command
+  std::optional<PilotFinding> pilot;  ///< of a request that left the integrator to a pilot
   std::size_t planned_memory_bytes = 0;
   std::size_t peak_memory_bytes = 0;
 };

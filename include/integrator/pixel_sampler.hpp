@@ -92,6 +92,9 @@ class PixelSampler : public FloatSamples<PixelSampler> {
 
   void skip(std::uint32_t count) { dimension_ += count; }
 
+  /// How far the path has come: samples asked for or skipped since start().
+  std::uint32_t dimension() const { return dimension_; }
+
  private:
   static constexpr std::uint32_t kBlock = 8;  ///< samples computed together
   /// Dimensions beyond it, which few paths reach, share one place.

@@ -46,6 +46,7 @@ struct ChainStatistics {
   std::uint64_t small_steps = 0;
   std::uint64_t longest_rejection_run = 0;
   std::uint64_t mutations = 0;
+  std::uint64_t primary_samples = 0;  ///< that the mutations' paths asked for
   DefectCounts defects;
 
   void add(const ChainStatistics& other);
@@ -100,6 +101,7 @@ class Chain {
     const bool large_step = happens(samples_.rng(), settings_.large_step);
     samples_.begin_proposal(large_step);
     evaluate_into(integrator_, samples_, proposed_.contribution, statistics_.defects);
+    statistics_.primary_samples += samples_.dimension();
 
     // The current target is positive from the start on, for only a positive proposal is ever accepted.
     const float ratio = proposed_.contribution.target() / current_.contribution.target();

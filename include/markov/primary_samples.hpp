@@ -106,6 +106,9 @@ class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
 
   void skip(std::uint32_t count) { cursor_ += count; }
 
+  /// How far the path has come: primary samples asked for or skipped since the proposal began.
+  std::uint32_t dimension() const { return cursor_; }
+
   void accept() {
     if (mode_ == Mode::kLarge) large_step_time_ = time_;
   }

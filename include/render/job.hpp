@@ -19,10 +19,12 @@ namespace mlt {
   X(path, "path tracing with next-event estimation and multiple importance sampling") \
   X(pssmlt, "primary-sample-space Metropolis light transport over the path tracer [Kelemen02]")
 
+/// `automatic` stands in requests only: one of the others, which a pilot chooses (render/pilot.hpp).
 enum class IntegratorKind : std::uint8_t {
 #define MLT_ENUMERATE(name, help) name,
   MLT_INTEGRATOR_KINDS(MLT_ENUMERATE)
 #undef MLT_ENUMERATE
+      automatic
 };
 
 #define MLT_START_KINDS(X)                                                                  \
@@ -91,6 +93,7 @@ struct RenderJob {
   InstructionSet instruction_set = InstructionSet::base;  ///< without influence on the image
   std::uint64_t seed = 0;
   std::uint32_t chains = 0;
+  std::uint64_t mutations = 0;  ///< pssmlt: of one round, all pixels together
   std::uint64_t bootstrap = 0;
   float large_step = 0;
   StartKind start = StartKind::resampled;
@@ -101,8 +104,8 @@ struct RenderJob {
   std::size_t film_memory = 0;  ///< without influence on the image
 };
 
-/// Throws InputError (the option's name as file) when a value is out of range, ResourceError when the job
-/// exceeds the film's fixed-point headroom.
+/// The integrator of `request` must be chosen. Throws InputError (the option's name as file) when a value is
+/// out of range, ResourceError when the job exceeds the film's fixed-point headroom.
 RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene);
 
 }  // namespace mlt

@@ -26,11 +26,13 @@ struct TileStatistics {
   LuminanceMoments luminance;  ///< of the first sequence of every pixel
   DefectCounts defects;
   std::uint64_t samples = 0;
+  std::uint64_t primary_samples = 0;  ///< that the paths asked for
 
   void add(const TileStatistics& other) {
     luminance.add(other.luminance);
     defects.add(other.defects);
     samples += other.samples;
+    primary_samples += other.primary_samples;
   }
 };
 

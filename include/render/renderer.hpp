@@ -32,7 +32,10 @@ struct RenderStatistics {
   std::uint64_t samples = 0;    ///< paths evaluated, bootstrap included
   std::uint64_t rounds = 0;     ///< finished
   std::uint64_t mutations = 0;  ///< pssmlt
-  double b = 0;                 ///< mean luminance of the image, from bootstrap and large steps
+  /// That the paths of samples or mutations asked for, those of the bootstrap not counted: what a render
+  /// costs, counted.
+  std::uint64_t primary_samples = 0;
+  double b = 0;  ///< mean luminance of the image, from bootstrap and large steps
   double b_standard_error = 0;
   double acceptance_large = 0;  ///< mean acceptance probability
   double acceptance_small = 0;
@@ -73,6 +76,8 @@ class Renderer {
   /// Estimated standard errors of the image's channels; zero where they are not known. Each pixel's variance
   /// is the mean over its 5 x 5 neighbours, since that of one pixel comes from a single difference.
   ImageBuffer standard_errors() const;
+  /// Their squares, without that mean: single squared differences, whose sums over pixels alone tell much.
+  ImageBuffer variances() const;
 
  private:
   struct State;

@@ -26,11 +26,24 @@ std::string default_output(const std::string& scene) {
   return name + ".png";
 }
 
+/// The full form leaves the integrator to a pilot, unless a setting that PSSMLT alone has speaks for it. The
+/// classic form is that of a Metropolis renderer.
+RenderRequest full_form_defaults(const Words& words) {
+  RenderRequest defaults;
+  const std::vector<OptionSpec> settings = method_options();
+  const bool speaks_of_chains =
+      std::any_of(settings.begin(), settings.end(), [&words](const OptionSpec& option) {
+        return words.has(option.name) && !option.is_used_by(IntegratorKind::path);
+      });
+  defaults.integrator = speaks_of_chains ? IntegratorKind::pssmlt : IntegratorKind::automatic;
+  return defaults;
+}
+
 Command parse_render(const Words& words) {
   Diagnostics diagnostics;
   RenderCommand command;
   check_positional("mlt render", words.positional, {"SCENE"}, diagnostics);
-  command.request = read_request(words, {}, diagnostics);
+  command.request = read_request(words, full_form_defaults(words), diagnostics);
   command.warnings = unused_options(words, command.request.integrator);
   if (words.has("--exposure")) {
     command.exposure =
@@ -51,7 +64,7 @@ Command parse_info(const Words& words) {
   Diagnostics diagnostics;
   InfoCommand command;
   check_positional("mlt info", words.positional, {"SCENE"}, diagnostics);
-  command.request = read_request(words, {}, diagnostics);
+  command.request = read_request(words, full_form_defaults(words), diagnostics);
   command.warnings = unused_options(words, command.request.integrator);
   if (!diagnostics.empty()) throw InputError(std::move(diagnostics));
   command.scene = words.positional.front();

@@ -12,6 +12,13 @@
 namespace mlt {
 namespace {
 
+/// All integrators but auto, which is one of the others.
+std::vector<std::string> default_methods() {
+  std::vector<std::string> names = names_of(integrator_kinds());
+  names.resize(static_cast<std::size_t>(IntegratorKind::automatic));
+  return names;
+}
+
 constexpr double kLongestSeconds = 86400;
 constexpr double kShortestSeconds = 1e-3;
 constexpr double kSmallestTarget = 1e-30;
@@ -120,7 +127,7 @@ void add_own_options(std::vector<OptionSpec>& table) {
       "folder for converge.csv, summary.json, plots and pictures; made when it is not there. Needed");
   add("--integrators", "", "LIST",
       fmt::format("methods to compare, names with commas between them. Default: {}",
-                  fmt::join(names_of(integrator_kinds()), ",")));
+                  fmt::join(default_methods(), ",")));
   std::vector<std::string> settings;
   for (const OptionSpec& option : table) {
     if (!option.integrators.empty()) settings.push_back(option.name);
@@ -196,7 +203,7 @@ void read_effort(const Given& given, ConvergeCommand& command, Diagnostics& diag
   }
 }
 
-/// The methods of --method, or of --integrators, or one of each integrator.
+/// The methods of --method, or of --integrators, or the default ones.
 void read_all_methods(const Words& words, ConvergeCommand& command, Diagnostics& diagnostics) {
   const Given given(words);
   const std::string* names = given("--integrators");
@@ -206,8 +213,8 @@ void read_all_methods(const Words& words, ConvergeCommand& command, Diagnostics&
   if (words.has("--method")) {
     read_methods("--method", words.options.at("--method"), command, diagnostics);
   } else {
-    read_methods("--integrators", names != nullptr ? split_list(*names) : names_of(integrator_kinds()),
-                 command, diagnostics);
+    read_methods("--integrators", names != nullptr ? split_list(*names) : default_methods(), command,
+                 diagnostics);
   }
 }
 

@@ -69,13 +69,13 @@ void add_job_option(std::vector<OptionSpec>& table, const char* name, const char
 /// What decides the image, apart from the scene; all of these and of add_settings are in the command stored
 /// with the image.
 void add_job_options(std::vector<OptionSpec>& table) {
-  const RenderRequest defaults;
   const auto add = [&table](const char* name, const char* value, std::string help) {
     add_job_option(table, name, value, std::move(help));
   };
   add("--integrator", "NAME",
-      fmt::format("{}. Default: {}", list_of(integrator_kinds()),
-                  name_of(integrator_kinds(), defaults.integrator)));
+      fmt::format("{}. Default: {}, or {} where a setting of it alone is given", list_of(integrator_kinds()),
+                  name_of(integrator_kinds(), IntegratorKind::automatic),
+                  name_of(integrator_kinds(), IntegratorKind::pssmlt)));
   add("--spp", "N",
       fmt::format(
           "work per pixel: samples (path; every 16th pixel takes twice as many, which tells the image's "
@@ -190,7 +190,8 @@ std::vector<OptionSpec> options_of(CommandKind command) {
 }
 
 bool OptionSpec::is_used_by(IntegratorKind kind) const {
-  return integrators.empty() || std::find(integrators.begin(), integrators.end(), kind) != integrators.end();
+  return integrators.empty() || kind == IntegratorKind::automatic ||
+         std::find(integrators.begin(), integrators.end(), kind) != integrators.end();
 }
 
 std::vector<OptionSpec> method_options() {
@@ -209,7 +210,8 @@ std::vector<std::string> command_names() {
 
 #define MLT_KIND(name, help) NamedKind{with_hyphens(#name), help},
 const std::vector<NamedKind>& integrator_kinds() {
-  static const std::vector<NamedKind> kinds{MLT_INTEGRATOR_KINDS(MLT_KIND)};
+  static const std::vector<NamedKind> kinds{
+      MLT_INTEGRATOR_KINDS(MLT_KIND){"auto", "the one of them that a short pilot render finds better"}};
   return kinds;
 }
 

@@ -120,6 +120,13 @@ std::string to_json(const RenderRecord& record) {
   object.add("film_hash", statistics.film_hash);
   object.add("partial", statistics.partial);
   object.add("integrator", integrator_name(record.job));
+  if (record.pilot) {
+    object.add("choice", describe(*record.pilot));
+    object.add("pilot_advantage", record.pilot->advantage);
+    object.add("pilot_paths", record.pilot->paths);
+    object.add("pilot_wall_seconds", record.pilot->wall_seconds);
+    object.add("pilot_cpu_seconds", record.pilot->cpu_seconds);
+  }
   object.add("width", std::uint64_t{record.job.width});
   object.add("height", std::uint64_t{record.job.height});
   object.add("depth", std::uint64_t{record.job.depth});
@@ -132,6 +139,7 @@ std::string to_json(const RenderRecord& record) {
   object.add("cpu_seconds", statistics.cpu_seconds);
   object.add("samples", statistics.samples);
   object.add("mutations", statistics.mutations);
+  object.add("primary_samples", statistics.primary_samples);
   object.add("rounds", statistics.rounds);
   if (statistics.error.known) {
     object.add("rel_mse_estimate", statistics.error.rel_mse);
@@ -162,6 +170,11 @@ std::string summary(const RenderRecord& record) {
   const auto add = [&text](const char* name, const std::string& value) {
     text += fmt::format("{:<22}{}\n", name, value);
   };
+  if (record.pilot) add("integrator", describe(*record.pilot));
+  if (record.pilot && record.pilot->paths > 0) {
+    add("pilot", fmt::format("{:.3f} s, processors busy {:.3f} s", record.pilot->wall_seconds,
+                             record.pilot->cpu_seconds));
+  }
   if (statistics.partial) add("partial", "stopped before the end; the image shows what was done");
   add("time",
       fmt::format("{:.3f} s, processors busy {:.3f} s", statistics.wall_seconds, statistics.cpu_seconds));
@@ -183,7 +196,7 @@ std::string summary(const RenderRecord& record) {
       fmt::format("{} (NaN {}, infinite {}, negative {})", statistics.rejected_non_finite(),
                   statistics.rejected_nan, statistics.rejected_infinite, statistics.rejected_negative));
   add("film hash", statistics.film_hash);
-  if (record.job.in_rounds) add("same image by", record.command);
+  if (record.job.in_rounds || record.pilot) add("same image by", record.command);
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <exception>
 
 #include "app/commands.hpp"
@@ -10,6 +11,7 @@
 #include "app/stop_signal.hpp"
 #include "base/atomic_file.hpp"
 #include "image/image_io.hpp"
+#include "render/pilot.hpp"
 #include "render/renderer.hpp"
 #include "scene/parse.hpp"
 
@@ -73,6 +75,18 @@ void write_outputs(const RenderCommand& command, const Renderer& renderer, Rende
   if (first_failure) std::rethrow_exception(first_failure);
 }
 
+/// The request with an integrator chosen, by a pilot where it asks for one, whose time counts.
+RenderRequest decide(RenderRequest request, const SceneDescription& scene, RenderRecord& record) {
+  if (request.integrator != IntegratorKind::automatic) return request;
+  constexpr double kLeastSeconds = 1e-9;  // no further round, but the first
+  record.pilot = run_pilot(scene, request, stop_requested());
+  request.integrator = record.pilot->chosen;
+  if (request.seconds) {
+    request.seconds = std::max(kLeastSeconds, *request.seconds - record.pilot->wall_seconds);
+  }
+  return request;
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) print_message("mlt: warning: " + warning + "\n");
 }
@@ -85,11 +99,11 @@ ExitCode run_render(const RenderCommand& command) {
   check_outputs(command);
   const SceneDescription scene = parse_scene_file(command.scene);
   print_warnings(scene.warnings);
-  const RenderJob job = resolve_job(command.request, scene);
+  RenderRecord record;
+  const RenderJob job = resolve_job(decide(command.request, scene, record), scene);
   Renderer renderer(scene, job);
   renderer.prepare();
 
-  RenderRecord record;
   record.job = job;
   record.planned_memory_bytes = renderer.memory_plan().total_bytes();
   {
@@ -115,11 +129,17 @@ ExitCode run_info(const InfoCommand& command) {
   print_warnings(command.warnings);
   const SceneDescription scene = parse_scene_file(command.scene);
   print_warnings(scene.warnings);
-  const RenderJob job = resolve_job(command.request, scene);
+  RenderRecord record;
+  const RenderJob job = resolve_job(decide(command.request, scene, record), scene);
   const Renderer renderer(scene, job);
 
   std::string text;
   for (const InfoLine& line : renderer.info()) text += fmt::format("{:<32}{}\n", line.name, line.value);
+  if (record.pilot) {
+    text += fmt::format("{:<32}{}\n", "choice", describe(*record.pilot));
+    text += fmt::format("{:<32}{:.3f} s, processors busy {:.3f} s\n", "pilot", record.pilot->wall_seconds,
+                        record.pilot->cpu_seconds);
+  }
   text += fmt::format("{:<32}{}\n", "command", canonical_command(command.scene, job, 0, job.max_rounds));
   const MemoryPlan& plan = renderer.memory_plan();
   text += "\nmemory plan (blocks of the scene's compilation and of the render share their storage)\n";

@@ -7,6 +7,7 @@
 #include "base/assert.hpp"
 #include "base/error.hpp"
 #include "compare/compare.hpp"
+#include "render/pilot.hpp"
 #include "render/renderer.hpp"
 
 namespace mlt {
@@ -22,14 +23,29 @@ struct Rendered {
 std::optional<Rendered> render_once(const SceneDescription& scene, const RenderRequest& request,
                                     const std::atomic<bool>& stop) {
   Rendered result;
-  result.job = resolve_job(request, scene);
+  RenderRequest decided = request;
+  PilotFinding pilot;
+  if (request.integrator == IntegratorKind::automatic) {
+    pilot = run_pilot(scene, request, stop);
+    decided.integrator = pilot.chosen;
+  }
+  result.job = resolve_job(decided, scene);
   Renderer renderer(scene, result.job);
   renderer.prepare();
   result.statistics = renderer.run(stop, nullptr, nullptr);
+  result.statistics.wall_seconds += pilot.wall_seconds;
+  result.statistics.cpu_seconds += pilot.cpu_seconds;
+  result.statistics.samples += pilot.paths;
   if (result.statistics.partial || stop) return std::nullopt;
   const ImageView view = renderer.image();
   result.image = {view.width, view.height, {view.pixels.begin(), view.pixels.end()}};
   return result;
+}
+
+/// What a request may end up with.
+std::vector<IntegratorKind> candidates(IntegratorKind kind) {
+  if (kind != IntegratorKind::automatic) return {kind};
+  return {IntegratorKind::path, IntegratorKind::pssmlt};
 }
 
 struct Trial {
@@ -127,10 +143,13 @@ void check_plan(const SceneDescription& scene, const ConvergePlan& plan) {
   for (std::size_t method = 0; method < plan.methods.size(); ++method) {
     MLT_CHECK_OP(plan.methods[method].budgets.size(), ==, plan.level_count());
     for (std::size_t level = 0; level < plan.level_count(); ++level) {
-      const RenderRequest request = plan.request_of(method, level, 0);
+      RenderRequest request = plan.request_of(method, level, 0);
       try {
-        job = resolve_job(request, scene);
-        const Renderer renderer(scene, job);
+        for (const IntegratorKind kind : candidates(request.integrator)) {
+          request.integrator = kind;
+          job = resolve_job(request, scene);
+          const Renderer renderer(scene, job);
+        }
       } catch (const ResourceError& error) {
         throw ResourceError("budget " + std::to_string(*request.samples_per_pixel) + " of " +
                             plan.methods[method].name + ": " + error.what());

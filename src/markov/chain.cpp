@@ -10,6 +10,7 @@ void ChainStatistics::add(const ChainStatistics& other) {
   if (other.longest_rejection_run > longest_rejection_run)
     longest_rejection_run = other.longest_rejection_run;
   mutations += other.mutations;
+  primary_samples += other.primary_samples;
   defects.add(other.defects);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/assert.hpp"
 #include "base/error.hpp"
 #include "film/fixed_film.hpp"
 
@@ -108,6 +109,7 @@ void resolve_settings(const MethodRequest& request, RequestChecker& checker, Ren
 
 RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scene) {
   static_assert(film_fraction_bits(kMaxMutations) == kMinFractionBits);
+  MLT_CHECK(request.integrator != IntegratorKind::automatic);
   const bool metropolis = request.integrator == IntegratorKind::pssmlt;
   RequestChecker checker;
   RenderJob job;
@@ -137,7 +139,7 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
 
   if (metropolis) {
     const std::uint64_t pixels = std::uint64_t{job.width} * job.height;
-    const std::uint64_t mutations = pixels * job.samples_per_pixel;
+    const std::uint64_t mutations = job.mutations = pixels * job.samples_per_pixel;
     require_headroom(mutations * job.max_rounds);
     const std::uint64_t fitting = std::max<std::uint64_t>(1, mutations / kMinDefaultChainLength);
     const auto default_chains = static_cast<std::uint32_t>(std::min<std::uint64_t>(kDefaultChains, fitting));

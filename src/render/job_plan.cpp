@@ -122,7 +122,7 @@ void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {
 }
 
 void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) const {
-  storage.mutations = pixel_count() * job.samples_per_pixel;
+  storage.mutations = job.mutations;
   // Jobs that differ in the number of rounds alone give the same film as long as both run.
   storage.fraction_bits = job.in_rounds ? kMinFractionBits : film_fraction_bits(storage.mutations);
   storage.bootstrap = arena.take(slots.bootstrap);

@@ -81,6 +81,7 @@ void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStora
         // The mean over the image weighs pixels alike, so the second sequence stays out of it.
         if (sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
       });
+      statistics.primary_samples += sampler.dimension();
     }
   }
   statistics.samples += sequences * count;

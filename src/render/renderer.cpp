@@ -177,6 +177,7 @@ void Renderer::State::develop_metropolis(const ChainStatistics& total) {
   const std::uint64_t large_steps = total.large_steps.count;
   statistics.samples = storage.bootstrap_moments.count + total.mutations;
   statistics.mutations = total.mutations;
+  statistics.primary_samples = total.primary_samples;
   statistics.b = moments.mean();
   statistics.b_standard_error = moments.standard_error();
   statistics.acceptance_large =
@@ -203,6 +204,7 @@ void Renderer::State::collect_path() {
   for (const TileStatistics& tile : storage.tiles) total.add(tile);
   add_defects(statistics, total.defects);
   statistics.samples = total.samples;
+  statistics.primary_samples = total.primary_samples;
   statistics.b = total.luminance.mean();
   statistics.b_standard_error = total.luminance.standard_error();
   statistics.black = !(total.luminance.sum > 0.0);
@@ -338,6 +340,20 @@ ImageBuffer Renderer::standard_errors() const {
   }
   return {job.width, job.height,
           smooth_standard_errors(differences, state.statistics.error.factor, job.width, job.height)};
+}
+
+ImageBuffer Renderer::variances() const {
+  const State& state = *state_;
+  ImageBuffer image{state.plan.job.width, state.plan.job.height, std::vector<Vec3>(state.plan.pixel_count())};
+  if (!state.statistics.error.known) return image;
+  const EstimateContext context = state.error_context();
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const PixelDifferences pixel = differences_of(context, i);
+    for (int c = 0; c < 3; ++c) {
+      image.pixels[i][c] = static_cast<float>(state.statistics.error.factor * pixel.halves[c]);
+    }
+  }
+  return image;
 }
 
 }  // namespace mlt

@@ -155,7 +155,15 @@ TEST_CASE("what is not given stays open for the job to decide") {
   CHECK_FALSE(command.request.samples_per_pixel);
   CHECK_FALSE(command.request.depth);
   CHECK_FALSE(command.request.roulette);
-  CHECK(command.request.integrator == IntegratorKind::pssmlt);
+  CHECK(command.request.integrator == IntegratorKind::automatic);
+  // What PSSMLT alone has speaks for it, what both have does not.
+  CHECK(parse_render_words({"render", "s", "--chains", "3"}).request.integrator == IntegratorKind::pssmlt);
+  CHECK(parse_render_words({"render", "s", "--start", "resampled"}).request.integrator ==
+        IntegratorKind::pssmlt);
+  CHECK(parse_render_words({"render", "s", "--roulette", "3"}).request.integrator ==
+        IntegratorKind::automatic);
+  CHECK(parse_render_words({"render", "s", "--chains", "3", "--integrator", "path"}).request.integrator ==
+        IntegratorKind::path);
   CHECK_FALSE(command.stats);
 }
 

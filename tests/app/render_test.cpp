@@ -112,7 +112,9 @@ TEST_CASE("the statistics hold every promised key, and their command gives the s
 
 TEST_CASE("PNGs carry what reproduces them") {
   const SceneFolder folder;
-  REQUIRE(folder.run({"render", "scene.txt", "--mutations", "2", "--seed", "5", "--exposure", "1.5", "-q"})
+  REQUIRE(folder
+              .run({"render", "scene.txt", "--integrator", "pssmlt", "--mutations", "2", "--seed", "5",
+                    "--exposure", "1.5", "-q"})
               .code == 0);
   const std::string png = read_text(folder / "scene.png");
   for (const char* entry : {"Software", "Version", "Film-Hash", "sRGB"})
@@ -158,8 +160,10 @@ TEST_CASE("pitfall 6: a scene without light renders black with a warning and exi
 
 TEST_CASE("--quiet silences everything but warnings, and without a terminal there is no progress line") {
   const SceneFolder folder;
-  CHECK(folder.run({"render", "scene.txt", "--mutations", "2", "--quiet"}).error == "");
-  const ProgramResult result = folder.run({"render", "scene.txt", "--mutations", "2"});
+  CHECK(folder.run({"render", "scene.txt", "--integrator", "pssmlt", "--mutations", "2", "--quiet"}).error ==
+        "");
+  const ProgramResult result =
+      folder.run({"render", "scene.txt", "--integrator", "pssmlt", "--mutations", "2"});
   CHECK_THAT(result.error, !Catch::Contains("ETA"));
   for (const char* fragment :
        {"time", "rate", "acceptance, large", "acceptance, small", "longest rejection run", "b ",
@@ -202,8 +206,8 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
 TEST_CASE("a film of 256 x 256 pixels and four threads take less than 16 MB in all") {
   const SceneFolder folder;
   const ProgramResult result =
-      folder.run({"render", "scene.txt", "--width", "256", "--height", "256", "--threads", "4", "--mutations",
-                  "1", "--stats", "a.json", "-o", "a.png"});
+      folder.run({"render", "scene.txt", "--integrator", "pssmlt", "--width", "256", "--height", "256",
+                  "--threads", "4", "--mutations", "1", "--stats", "a.json", "-o", "a.png"});
   REQUIRE(result.code == code_of(ExitCode::kOk));
   const std::size_t peak = std::stoull(read_statistics(folder / "a.json").at("peak_memory_bytes"));
   if (MLT_FAULTS_ARE_OURS) CHECK(peak < 15'700'000);  // a bootstrap of 655,360 paths would add 0.25 MB
@@ -211,8 +215,8 @@ TEST_CASE("a film of 256 x 256 pixels and four threads take less than 16 MB in a
 
 TEST_CASE("info prints what was read, features, and the plan with its total") {
   const SceneFolder folder;
-  const ProgramResult result =
-      folder.run({"info", "scene.txt", "--width", "100", "--height", "50", "--threads", "3"});
+  const ProgramResult result = folder.run(
+      {"info", "scene.txt", "--integrator", "pssmlt", "--width", "100", "--height", "50", "--threads", "3"});
   CHECK(result.code == code_of(ExitCode::kOk));
   CHECK(result.error == "");
   for (const char* fragment : {"100 x 50", "features found", "features skipped", "3, one for each worker",

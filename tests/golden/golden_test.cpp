@@ -120,6 +120,8 @@ float visible_excess(IntegratorKind kind) {
       return 0.05f;
     case IntegratorKind::pssmlt:
       return 0.1f;
+    case IntegratorKind::automatic:
+      break;
   }
   return 0;
 }

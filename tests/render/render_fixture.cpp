@@ -13,6 +13,8 @@ const char* name_of(IntegratorKind kind) {
     return #name;
     MLT_INTEGRATOR_KINDS(MLT_CASE)
 #undef MLT_CASE
+    case IntegratorKind::automatic:
+      return "auto";
   }
   return "unknown";
 }

@@ -1,0 +1,64 @@
+// Which integrator suits a scene, a size of picture and an amount of work. A pilot renders a few per cent of
+// the job by each of them and compares the errors that they would make with the same work. Work is counted
+// in primary samples, not in seconds, and the pilot's size follows from the request, so that the choice is
+// the same on every machine. Its paths have random numbers of their own and are thrown away: kept, they would
+// bias the image, for what they found decided whether they are kept.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "film/image_view.hpp"
+#include "render/job.hpp"
+#include "scene/description.hpp"
+
+namespace mlt {
+
+/// A job of fewer samples or mutations in all has no pilot, which could not tell much, and is path traced.
+inline constexpr std::uint64_t kLeastPiloted = std::uint64_t{1} << 19;
+
+/// PSSMLT is taken where its pilot needed so many times less work than the path tracer's for the same error.
+/// More than 1, because short chains have not met their rare large errors yet: calibrated in docs/RESULTS.md.
+inline constexpr double kPilotThreshold = 1.4;
+
+/// What one integrator's pilot showed, as the mean over rounds of equal size.
+struct PilotRender {
+  ImageBuffer image;
+  ImageBuffer variances;       ///< of the image's channels in one round, each from one difference a round
+  double per_pixel = 0;        ///< samples or mutations of one round
+  double paths = 0;            ///< of all rounds
+  double primary_samples = 0;  ///< that these paths asked for
+  bool found_light = false;
+};
+
+enum class PilotOutcome : std::uint8_t {
+  compared,
+  too_small,    ///< no pilot: kLeastPiloted
+  too_large,    ///< no pilot: more work than PSSMLT's film has headroom for
+  only_chains,  ///< only PSSMLT's pilot found light
+  no_light      ///< neither did, only the path tracer's did, or the pilot was stopped
+};
+
+struct PilotFinding {
+  IntegratorKind chosen = IntegratorKind::path;
+  PilotOutcome outcome = PilotOutcome::no_light;
+  double advantage = 0;     ///< of PSSMLT; where both pilots were compared
+  std::uint64_t paths = 0;  ///< samples and mutations of the pilot, bootstrap included
+  double wall_seconds = 0;
+  double cpu_seconds = 0;
+};
+
+/// Work that the path tracer needs over that of PSSMLT for the same relMSE. Both images show the same; the
+/// path tracer's has not more pixels in either direction, and errors are compared at its pixels.
+double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt);
+
+/// Chooses for a request whose integrator is automatic; its settings must be valid for both integrators.
+/// Throws as resolve_job and Renderer do.
+PilotFinding run_pilot(const SceneDescription& scene, const RenderRequest& request,
+                       const std::atomic<bool>& stop);
+
+/// One line: what was chosen and why. It holds no time, so that it is the same on every machine.
+std::string describe(const PilotFinding& finding);
+
+}  // namespace mlt

@@ -1,0 +1,181 @@
+#include "render/pilot.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.hpp"
+#include "math/rng.hpp"
+#include "render/renderer.hpp"
+
+namespace mlt {
+namespace {
+
+// One round takes so much of the job's work; up to three follow each other while the choice is not clear.
+constexpr double kPathShare = 1.0 / 144;  ///< by the path tracer
+constexpr double kChainShare = 1.0 / 72;  ///< by PSSMLT, whose errors are rarer
+constexpr std::uint64_t kMostRounds = 3;
+constexpr double kClearFactor = 2.5;         ///< above or below the threshold, that ends the rounds
+constexpr double kMostPiloted = 0x1p24;      ///< samples of a job; the pilot of a larger one is no larger
+constexpr double kPathSamples = 8;           ///< a pixel, so that some of what stratification gains is seen
+constexpr std::uint64_t kChainLength = 512;  ///< mutations: some hundred large steps, and many chains
+constexpr std::uint64_t kBootstrapShare = 8;
+constexpr std::uint64_t kPlannedPerPixel = 64;  ///< of jobs that state none, or end by the clock or an error
+
+/// Samples or mutations a pixel that the job will take, as far as its request tells.
+double planned_per_pixel(const RenderRequest& request) {
+  const bool ends = request.target_error || request.seconds;
+  const std::uint64_t per_round =
+      request.samples_per_pixel.value_or(request.rounds ? kDefaultPerRound : kPlannedPerPixel);
+  double planned = static_cast<double>(per_round);
+  if (request.rounds) planned *= static_cast<double>(*request.rounds);
+  if (ends && !request.rounds) planned = static_cast<double>(std::max(per_round, kPlannedPerPixel));
+  if (request.max_per_pixel) planned = std::min(planned, static_cast<double>(*request.max_per_pixel));
+  return planned;
+}
+
+/// The request of a round of the pilot by `kind`, without all that makes a job's rounds.
+RenderRequest pilot_request(const RenderRequest& request, IntegratorKind kind) {
+  RenderRequest pilot = request;
+  pilot.integrator = kind;
+  pilot.rounds.reset();
+  pilot.max_per_pixel.reset();
+  pilot.target_error.reset();
+  pilot.seconds.reset();
+  pilot.chains.reset();
+  pilot.bootstrap.reset();
+  return pilot;
+}
+
+/// The path tracer's error a pixel hardly depends on the size of the film, so that a small one will do.
+RenderJob path_job(const SceneDescription& scene, const RenderRequest& request, double samples) {
+  RenderRequest pilot = pilot_request(request, IntegratorKind::path);
+  const std::uint32_t width = request.width.value_or(scene.film_width);
+  const std::uint32_t height = request.height.value_or(scene.film_height);
+  const double pixels = static_cast<double>(width) * height;
+  const double scale = std::sqrt(std::min(1.0, samples / kPathSamples / pixels));
+  pilot.width = static_cast<std::uint32_t>(std::max(1.0, std::floor(width * scale)));
+  pilot.height = static_cast<std::uint32_t>(std::max(1.0, std::floor(height * scale)));
+  pilot.samples_per_pixel = static_cast<std::uint64_t>(kPathSamples);
+  return resolve_job(pilot, scene);
+}
+
+/// That of chains does: what leaves a small pixel stays in a large one. They keep the job's film, although
+/// there may be less than one mutation a pixel.
+RenderJob chain_job(const SceneDescription& scene, const RenderRequest& request, double mutations) {
+  RenderRequest pilot = pilot_request(request, IntegratorKind::pssmlt);
+  pilot.samples_per_pixel = 1;
+  RenderJob job = resolve_job(pilot, scene);
+  job.mutations = static_cast<std::uint64_t>(mutations);
+  job.chains = static_cast<std::uint32_t>(job.mutations / kChainLength);
+  job.bootstrap = job.mutations / kBootstrapShare;
+  return job;
+}
+
+PilotRender render_round(const SceneDescription& scene, const RenderJob& job, const std::atomic<bool>& stop,
+                         PilotFinding& finding) {
+  Renderer renderer(scene, job);
+  renderer.prepare();
+  const RenderStatistics statistics = renderer.run(stop, nullptr, nullptr);
+  finding.paths += statistics.samples;
+  finding.wall_seconds += statistics.wall_seconds;
+  finding.cpu_seconds += statistics.cpu_seconds;
+  const bool metropolis = job.integrator == IntegratorKind::pssmlt;
+  const double pixels = static_cast<double>(job.width) * job.height;
+  const ImageView view = renderer.image();
+  PilotRender round;
+  round.image = {view.width, view.height, {view.pixels.begin(), view.pixels.end()}};
+  round.variances = renderer.variances();
+  round.per_pixel =
+      metropolis ? static_cast<double>(job.mutations) / pixels : static_cast<double>(job.samples_per_pixel);
+  round.paths = static_cast<double>(metropolis ? statistics.mutations : statistics.samples);
+  round.primary_samples = static_cast<double>(statistics.primary_samples);
+  round.found_light = !statistics.black && !statistics.partial;
+  return round;
+}
+
+/// Adds round number `index`. One without light is black, and counts.
+void add_round(PilotRender& mean, const PilotRender& round, std::uint64_t index) {
+  if (index == 0) {
+    mean = round;
+    return;
+  }
+  const float share = 1.0f / static_cast<float>(index + 1);
+  for (std::size_t i = 0; i < mean.image.pixels.size(); ++i) {
+    mean.image.pixels[i] += (round.image.pixels[i] - mean.image.pixels[i]) * share;
+    mean.variances.pixels[i] += (round.variances.pixels[i] - mean.variances.pixels[i]) * share;
+  }
+  mean.paths += round.paths;
+  mean.primary_samples += round.primary_samples;
+  mean.found_light = mean.found_light || round.found_light;
+}
+
+bool is_clear(double advantage) {
+  return advantage > kPilotThreshold * kClearFactor || advantage < kPilotThreshold / kClearFactor;
+}
+
+/// All rounds; the comparison after the last is the finding's.
+void compare(const SceneDescription& scene, RenderRequest request, double samples,
+             const std::atomic<bool>& stop, PilotFinding& finding) {
+  PilotRender path, pssmlt;
+  for (std::uint64_t round = 0; round < kMostRounds && !stop; ++round) {
+    request.seed = mix64(request.seed + 0x9e3779b97f4a7c15ULL);
+    add_round(path, render_round(scene, path_job(scene, request, samples * kPathShare), stop, finding),
+              round);
+    add_round(pssmlt, render_round(scene, chain_job(scene, request, samples * kChainShare), stop, finding),
+              round);
+    if (!path.found_light || !pssmlt.found_light) continue;
+    finding.advantage = pilot_advantage(path, pssmlt);
+    finding.outcome = PilotOutcome::compared;
+    if (is_clear(finding.advantage)) break;
+  }
+  if (!path.found_light && pssmlt.found_light) finding.outcome = PilotOutcome::only_chains;
+}
+
+}  // namespace
+
+PilotFinding run_pilot(const SceneDescription& scene, const RenderRequest& request,
+                       const std::atomic<bool>& stop) {
+  MLT_CHECK(request.integrator == IntegratorKind::automatic);
+  PilotFinding finding;
+  const double pixels = static_cast<double>(request.width.value_or(scene.film_width)) *
+                        request.height.value_or(scene.film_height);
+  const double samples = pixels * planned_per_pixel(request);
+  if (samples < static_cast<double>(kLeastPiloted)) {
+    finding.outcome = PilotOutcome::too_small;
+  } else if (samples > static_cast<double>(kMaxMutations)) {
+    finding.outcome = PilotOutcome::too_large;
+  } else {
+    compare(scene, request, std::min(samples, kMostPiloted), stop, finding);
+  }
+  const bool better = finding.outcome == PilotOutcome::compared && finding.advantage > kPilotThreshold;
+  if (!stop && (better || finding.outcome == PilotOutcome::only_chains))
+    finding.chosen = IntegratorKind::pssmlt;
+  return finding;
+}
+
+std::string describe(const PilotFinding& finding) {
+  switch (finding.outcome) {
+    case PilotOutcome::too_small:
+      return fmt::format("path: no pilot for a job of fewer than {} samples", kLeastPiloted);
+    case PilotOutcome::too_large:
+      return fmt::format("path: pssmlt has no room for more than {} mutations", kMaxMutations);
+    case PilotOutcome::only_chains:
+      return fmt::format("pssmlt: of a pilot of {} paths only its chains found light", finding.paths);
+    case PilotOutcome::no_light:
+      return fmt::format("path: a pilot of {} paths found too little light to compare", finding.paths);
+    case PilotOutcome::compared:
+      break;
+  }
+  const char* chosen = finding.chosen == IntegratorKind::path ? "path" : "pssmlt";
+  if (!(finding.advantage > 0.0)) {
+    return fmt::format("{}: in a pilot of {} paths it made no error", chosen, finding.paths);
+  }
+  return fmt::format(
+      "{}: in a pilot of {} paths pssmlt needed {:.2g} times path's work for the same error; below {:.2g} it "
+      "is taken",
+      chosen, finding.paths, 1.0 / finding.advantage, 1.0 / kPilotThreshold);
+}
+
+}  // namespace mlt
