@@ -26,12 +26,13 @@ std::string default_output(const std::string& scene) {
   return name + ".png";
 }
 
-/// The full form leaves the integrator to a pilot, unless a setting that PSSMLT alone has speaks for it. The
-/// classic form is that of a Metropolis renderer.
+/// The full form leaves the integrator to a pilot, unless a setting that PSSMLT alone has speaks for it, or
+/// the work is given in mutations. The classic form is that of a Metropolis renderer.
 RenderRequest full_form_defaults(const Words& words) {
   RenderRequest defaults;
   const std::vector<OptionSpec> settings = method_options();
   const bool speaks_of_chains =
+      words.has("--mutations") ||
       std::any_of(settings.begin(), settings.end(), [&words](const OptionSpec& option) {
         return words.has(option.name) && !option.is_used_by(IntegratorKind::path);
       });

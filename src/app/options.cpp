@@ -81,7 +81,8 @@ void add_job_options(std::vector<OptionSpec>& table) {
           "work per pixel: samples (path; every 16th pixel takes twice as many, which tells the image's "
           "error) or mutations (pssmlt), 1 to {}",
           kMaxSamplesPerPixel));
-  add("--mutations", "N", "another name of --spp; only one of the two may be given");
+  add("--mutations", "N",
+      "another name of --spp, of which only one may be given; without --integrator it asks for pssmlt");
   add("--rounds", "N",
       fmt::format(
           "repeats the work N times with new random numbers into one image. Default: 1, or without limit "

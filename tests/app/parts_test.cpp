@@ -158,6 +158,8 @@ TEST_CASE("what is not given stays open for the job to decide") {
   CHECK(command.request.integrator == IntegratorKind::automatic);
   // What PSSMLT alone has speaks for it, what both have does not.
   CHECK(parse_render_words({"render", "s", "--chains", "3"}).request.integrator == IntegratorKind::pssmlt);
+  CHECK(parse_render_words({"render", "s", "--mutations", "3"}).request.integrator == IntegratorKind::pssmlt);
+  CHECK(parse_render_words({"render", "s", "--spp", "3"}).request.integrator == IntegratorKind::automatic);
   CHECK(parse_render_words({"render", "s", "--start", "resampled"}).request.integrator ==
         IntegratorKind::pssmlt);
   CHECK(parse_render_words({"render", "s", "--roulette", "3"}).request.integrator ==
