@@ -4,7 +4,7 @@
 //
 // Blocks hold polygons whose normals have the same dominant axis k; i and j follow it cyclically. A polygon
 // lies in the plane p_k + n_i p_i + n_j p_j = n_0, |n_i| and |n_j| <= 1, and two functions U, V of p_i and
-// p_j map it into the square |U|, |V| <= 1/2; a triangle a, b, c also has V <= U.
+// p_j map it into the square |U|, |V| <= 1/2, which a parallelogram fills.
 //
 // Error bounds, with u = 2^-24, o and d the ray, D = max |d|, m = max |o|, M = m + extent, G = 1 + |n_i| +
 // |n_j| and det = d_k + n_i d_i + n_j d_j, so |det| <= GD. Where the defining test finds a hit, there is a
@@ -62,15 +62,13 @@ struct alignas(64) FlatPolygon {
 /// Blocks of a list; their slots are bits of a float that do not matter.
 inline constexpr int kFlatBlocks = 128 / kLanes;
 inline constexpr std::int32_t kFlatSlots = kFlatBlocks * kLanes;
-/// Three axes, of quads and then of triangles.
-inline constexpr int kFlatGroups = 6;
-/// So many polygons fit, however they are spread over groups.
-inline constexpr std::uint32_t kFlatPolygons = (kFlatBlocks - kFlatGroups + 1) * kLanes;
+/// So many polygons fit, however they are spread over axes.
+inline constexpr std::uint32_t kFlatPolygons = (kFlatBlocks - 2) * kLanes;
 
 struct FlatList {
   FlatBlock blocks[kFlatBlocks];
   FlatPolygon polygons[kFlatSlots];
-  std::uint32_t quad_blocks, blocks_used;  ///< those of quads come first
+  std::uint32_t block_count;
 };
 
 /// Fills `list`, which lies in zeroed memory, by those polygons of `quads` that have an area.
@@ -78,19 +76,17 @@ class FlatListBuilder {
  public:
   /// `first_slot` is that of the list's first polygon. No coordinate is beyond `extent`.
   FlatListBuilder(FlatList& list, std::uint32_t first_slot, float extent);
-  /// The group of a quad.
-  static int group_of(const Quad& quad);
-  /// In order of groups; kFlatPolygons at most.
-  void add(int group, const Quad& quad, const FlatPolygon& polygon);
+  /// The block axis of a quad.
+  static int axis_of(const Quad& quad);
+  /// In order of axes; kFlatPolygons at most.
+  void add(int axis, const Quad& quad, const FlatPolygon& polygon);
   void finish();
 
  private:
-  void begin_group(int group);
-
   FlatList& list_;
   std::uint32_t first_slot_;
   float extent_;
-  int group_ = 0;
+  int axis_ = 0;
   std::uint32_t slot_ = 0;
 };
 
@@ -117,7 +113,7 @@ struct FlatBounds {
   LaneInt sure;      ///< the ray meets the polygon at 0 < t < limit
 };
 
-template <bool kTriangles, bool kSure>
+template <bool kSure>
 MLT_INLINE FlatBounds bound_hits(const FlatBlock& block, const FlatRay& ray,
                                  [[maybe_unused]] LaneFloat limit) {
   const LaneFloat* const origin = ray.origin + block.axis;
@@ -133,8 +129,7 @@ MLT_INLINE FlatBounds bound_hits(const FlatBlock& block, const FlatRay& ray,
   const LaneFloat p_j = mul_add_bound(t, direction[2], origin[2]);
   const LaneFloat u = mul_add_bound(block.u_j, p_j, mul_add_bound(block.u_i, p_i, block.u_0));
   const LaneFloat v = mul_add_bound(block.v_j, p_j, mul_add_bound(block.v_i, p_i, block.v_0));
-  LaneFloat off = max_lanes(abs_lanes(u), abs_lanes(v));
-  if constexpr (kTriangles) off = max_lanes(off, (v - u) + 0.5f);
+  const LaneFloat off = max_lanes(abs_lanes(u), abs_lanes(v));
   const LaneFloat zero{};
   const LaneFloat first = mul_add_bound(error, block.depth_error, t);
   FlatBounds bounds;
@@ -187,17 +182,14 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
   constexpr float kNever = 0x1p126f;
   LaneFloat keys[kFlatBlocks];
   LaneFloat least = broadcast(kNever), second = least;
-  const auto bound = [&](std::uint32_t i, const FlatBounds& bounds) __attribute__((always_inline)) {
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
+    const FlatBounds bounds = bound_hits<false>(list.blocks[i], ray, least);
     const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | list.blocks[i].slot;
     keys[i] = or_lanes(bounds.rejected, floats_of(key));
     // The order of arguments passes over NaN.
     second = min_lanes(max_lanes(least, keys[i]), second);
     least = min_lanes(keys[i], least);
-  };
-  const std::uint32_t count = list.blocks_used;
-  std::uint32_t i = 0;
-  for (; i < list.quad_blocks; ++i) bound(i, bound_hits<false, false>(list.blocks[i], ray, least));
-  for (; i < count; ++i) bound(i, bound_hits<true, false>(list.blocks[i], ray, least));
+  }
   for (;;) {
     const float nearest = smallest_lane(least);
     if (!(nearest <= key_limit(limit))) return;
@@ -207,7 +199,7 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
     if (lane_bits(rest <= broadcast(key_limit(limit))) == 0) [[likely]]
       return;
     least = second = broadcast(kNever);
-    for (i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < list.block_count; ++i) {
       const LaneFloat key = or_lanes(keys[i] <= broadcast(nearest), keys[i]);
       second = min_lanes(max_lanes(least, key), second);
       least = min_lanes(key, least);
@@ -221,19 +213,16 @@ MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat l
   LaneInt rejected[kFlatBlocks];
   LaneInt all = bits_of(limit) | -1;
   LaneInt sure{};
-  const auto bound = [&](std::uint32_t i, const FlatBounds& bounds) __attribute__((always_inline)) {
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
+    const FlatBounds bounds = bound_hits<true>(list.blocks[i], ray, limit);
     sure |= bounds.sure;
     all &= bounds.rejected;
     rejected[i] = bounds.rejected;
-  };
-  const std::uint32_t count = list.blocks_used;
-  std::uint32_t i = 0;
-  for (; i < list.quad_blocks; ++i) bound(i, bound_hits<false, true>(list.blocks[i], ray, limit));
-  for (; i < count; ++i) bound(i, bound_hits<true, true>(list.blocks[i], ray, limit));
+  }
   if (lane_bits(sure) != 0) return true;
   constexpr unsigned kAll = (1U << kLanes) - 1;
   if (lane_bits(all) == kAll) return false;
-  for (i = 0; i < count; ++i) {
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
     unsigned bits = ~lane_bits(rejected[i]) & kAll;
     while (bits != 0) {
       if (test(list.polygons[static_cast<int>(i) * kLanes + take_lowest(bits)])) return true;

@@ -27,15 +27,15 @@ struct GeometryCounts {
   std::uint32_t spheres = 0;
 };
 
-/// Whether flat lists of polygons are FlatLists. With four lanes their fast test costs more than it saves.
-inline constexpr bool kFlatBounds = kLanes >= 8;
-
 /// Up to so many primitives lie in a flat list. The same for every SIMD width, so that the features of a
 /// scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp).
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
-  bool bounds = kFlatBounds;  ///< polygons in FlatLists rather than QuadBlocks
+  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks: for more, and with four
+  // lanes, the fast test of a FlatList costs more than it saves.
+  std::uint32_t bounded_quads = kLanes >= 8 ? 24 : 0;
+  std::uint32_t bounded_triangles = 0;
 };
 
 struct GeometryInput {

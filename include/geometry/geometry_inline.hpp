@@ -174,13 +174,11 @@ template <bool kGeneral>
     best.visit_list(triangles_, frame);
     best.visit_list(spheres_, frame);
     best.visit_list(quads_, frame);
-  } else if constexpr (!kFlatBounds) {
+  } else if (flat_lists_.empty()) {
     best.visit_blocks(quads_, RayFrame(ray, lanes, extent_));
   } else {
-    if (!flat_lists_.empty()) {
-      best.visit_flat(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, RayShear(ray, lanes),
-                      RaySlabs(lanes, extent_));
-    }
+    best.visit_flat(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, RayShear(ray, lanes),
+                    RaySlabs(lanes, extent_));
   }
   return best.hit;
 }
@@ -196,11 +194,9 @@ template <bool kGeneral>
     const RayFrame frame(ray, lanes, extent_);
     return list_occluded(quads_, frame, limit) || list_occluded(spheres_, frame, limit) ||
            list_occluded(triangles_, frame, limit);
-  } else if constexpr (!kFlatBounds) {
-    return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit);
   } else {
-    return !flat_lists_.empty() &&
-           flat_occluded(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, lanes, extent_);
+    if (flat_lists_.empty()) return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit);
+    return flat_occluded(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, lanes, extent_);
   }
 }
 
@@ -213,15 +209,9 @@ template <bool kGeneral>
     if (hit.primitive >= first_in_triangles_) return triangle_point(triangles_.blocks[block], lane, hit);
   }
   const std::uint32_t slot = hit.slot & ~kSecondTriangle;
-  const QuadRecord* quad;
-  if constexpr (kGeneral) {
-    quad = flat_lists_.empty() ? &quads_.blocks[block].quads[lane]
+  const QuadRecord* quad = flat_lists_.empty()
+                               ? &quads_.blocks[block].quads[lane]
                                : &flat_lists_[slot / kFlatSlots].polygons[slot % kFlatSlots].quad;
-  } else if constexpr (!kFlatBounds) {
-    quad = &quads_.blocks[block].quads[lane];
-  } else {
-    quad = &flat_lists_[0].polygons[slot].quad;
-  }
   return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
 }
 

@@ -37,10 +37,6 @@ Functional centred(const Functional& f, const double (&p_i)[4], const double (&p
   return {f.i * scale, f.j * scale, (f.at_0 + 0.5 * (low + high)) * scale};
 }
 
-bool is_triangle(const Quad& q) {
-  return q.d == q.a || q.d == q.c;
-}
-
 DVec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
   return cross(DVec3{b} - DVec3{a}, DVec3{c} - DVec3{a});
 }
@@ -88,14 +84,14 @@ struct Square {
   Functional u{}, v{};
   double off_corner = 0;  ///< how far corners are off those of the square
 
-  Square(const Layout& at, int corners) {
+  explicit Square(const Layout& at) {
     const double a_i = at.p_i[1] - at.p_i[0], a_j = at.p_j[1] - at.p_j[0];
     const double b_i = at.p_i[2] - at.p_i[1], b_j = at.p_j[2] - at.p_j[1];
     const double area = a_i * b_j - a_j * b_i;
     u = centred({b_j / area, -b_i / area, 0}, at.p_i, at.p_j);
     v = centred({-a_j / area, a_i / area, 0}, at.p_i, at.p_j);
     constexpr double kCorners[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
-    for (int vertex = 0; vertex < corners; ++vertex) {
+    for (int vertex = 0; vertex < 4; ++vertex) {
       off_corner = std::max({off_corner, std::fabs(u(at.p_i[vertex], at.p_j[vertex]) - kCorners[vertex][0]),
                              std::fabs(v(at.p_i[vertex], at.p_j[vertex]) - kCorners[vertex][1])});
     }
@@ -105,7 +101,7 @@ struct Square {
 void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
   const auto k = static_cast<int>(block.axis);
   const Layout at(q, k, (k + 1) % 3, (k + 2) % 3);
-  const Square square(at, is_triangle(q) ? 3 : 4);
+  const Square square(at);
   const Functional &u = square.u, &v = square.v;
 
   // A second triangle without area is never hit.
@@ -115,7 +111,7 @@ void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
   const double plane_error =
       ((1 + std::fabs(at.n_i)) + std::fabs(at.n_j)) + at.off_plane / (6 * kRoundoff * extent);
   const double weight_error = 48.0 / 32.0 * at.size * at.size * (at.size / smallest) / extent;
-  const double reach = is_triangle(q) ? u.reach() + v.reach() : std::max(u.reach(), v.reach());
+  const double reach = std::max(u.reach(), v.reach());
 
   block.normal_i[lane] = static_cast<float>(at.n_i);
   block.normal_j[lane] = static_cast<float>(at.n_j);
@@ -134,28 +130,21 @@ void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
 
 }  // namespace
 
-int FlatListBuilder::group_of(const Quad& q) {
+int FlatListBuilder::axis_of(const Quad& q) {
   const DVec3 n = area_vector(q.a, q.b, q.c);
   const DVec3 size{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  return axis + (is_triangle(q) ? 3 : 0);
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
 FlatListBuilder::FlatListBuilder(FlatList& list, std::uint32_t first_slot, float extent)
     : list_(list), first_slot_(first_slot), extent_(extent) {}
 
-void FlatListBuilder::begin_group(int group) {
-  for (; slot_ % kLanes != 0; ++slot_) list_.polygons[slot_] = FlatPolygon{};
-  if (group_ < kFlatGroups / 2) list_.quad_blocks = slot_ / kLanes;
-  list_.blocks_used = slot_ / kLanes;
-  group_ = group;
-}
-
-void FlatListBuilder::add(int group, const Quad& quad, const FlatPolygon& polygon) {
-  if (group != group_) begin_group(group);
+void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon) {
+  if (axis != axis_) finish();
+  axis_ = axis;
   MLT_CHECK_OP(slot_, <, std::uint32_t{kFlatSlots});
   FlatBlock& block = list_.blocks[slot_ / kLanes];
-  if (slot_ % kLanes == 0) clear_block(block, slot_ / kLanes, group % 3);
+  if (slot_ % kLanes == 0) clear_block(block, slot_ / kLanes, axis);
   set_lane(block, static_cast<int>(slot_ % kLanes), quad, double{extent_});
   list_.polygons[slot_] = polygon;
   list_.polygons[slot_].slot = first_slot_ + slot_;
@@ -163,7 +152,8 @@ void FlatListBuilder::add(int group, const Quad& quad, const FlatPolygon& polygo
 }
 
 void FlatListBuilder::finish() {
-  begin_group(kFlatGroups);
+  for (; slot_ % kLanes != 0; ++slot_) list_.polygons[slot_] = FlatPolygon{};
+  list_.block_count = slot_ / kLanes;
 }
 
 }  // namespace mlt

@@ -252,10 +252,10 @@ std::span<const FlatList> build_flat_lists(Arena& arena, const FlatSlots& slots,
     const std::uint32_t begin = list * kFlatPolygons;
     const std::uint32_t end = std::min(begin + kFlatPolygons, slots.count);
     FlatListBuilder builder(lists[list], list * kFlatSlots, extent);
-    for (int group = 0; group < kFlatGroups; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
       for (std::uint32_t i = begin; i < end; ++i) {
         const Quad q = shapes[i];
-        if (has_area(q) && FlatListBuilder::group_of(q) == group) builder.add(group, q, make_polygon(q, i));
+        if (has_area(q) && FlatListBuilder::axis_of(q) == axis) builder.add(axis, q, make_polygon(q, i));
       }
     }
     builder.finish();
@@ -294,7 +294,8 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
   GeometrySlots slots;
   const std::uint32_t count = few ? counts.quads + counts.triangles : counts.quads;
   const std::string name = few ? "polygons" : "quads";
-  if (limits.bounds && !is_general(counts, limits)) {
+  if (!is_general(counts, limits) && counts.quads <= limits.bounded_quads &&
+      counts.triangles <= limits.bounded_triangles) {
     slots.flat = plan_flat(plan, name, count);
   } else {
     slots.quads = plan_kind<QuadBlock>(plan, name, count, limits.polygons);

@@ -136,13 +136,14 @@ TEST_CASE(
   for (const Triangle& t : triangles.triangles) quads.quads.push_back({t.a, t.b, t.c, t.c});
   const BuiltGeometry as_triangles(triangles, kAlwaysFlat);
   const BuiltGeometry as_quads(quads, kAlwaysFlat);
-  const BuiltGeometry as_list(quads, FlatLimits{1U << 30, 1U << 30});
+  const BuiltGeometry as_list(quads, kAlwaysBounds);
   Rng rng(5, StreamPurpose::kTest, 5);
   int different = 0;
   for (int i = 0; i < 100000; ++i) {
     const Ray ray = hard_ray(rng, triangles.triangles);
     const Hit hit = as_quads->intersect<true>(ray);
-    different += !same(hit, as_triangles->intersect<true>(ray)) || !same(hit, as_list->intersect<false>(ray));
+    different += !same(hit, as_triangles->intersect<true>(ray)) ||
+                 !same(hit, as_quads->intersect<false>(ray)) || !same(hit, as_list->intersect<false>(ray));
   }
   CHECK(different == 0);
 }

@@ -10,8 +10,8 @@
 
 namespace mlt::test {
 
-inline constexpr FlatLimits kAlwaysFlat{1U << 30, 1U << 30, false};
-inline constexpr FlatLimits kAlwaysBounds{1U << 30, 1U << 30, true};
+inline constexpr FlatLimits kAlwaysFlat{1U << 30, 1U << 30, 0, 0};
+inline constexpr FlatLimits kAlwaysBounds{1U << 30, 1U << 30, 1U << 30, 1U << 30};
 inline constexpr FlatLimits kAlwaysTree{0, 0};
 
 struct Shapes {
