@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what a set of targets needs and the system lacks: install_deps.sh build|test|extra [COMPILER].
+# Installs what a set of targets needs and the system lacks: install_deps.sh build|test|exr|extra [COMPILER].
 # Silent and quick when nothing is missing. Where apt may not be used, names the exact command and fails.
 set -u
 set=${1:?build, test or extra}
@@ -36,17 +36,19 @@ check() {
       need strace tool strace
       need binutils tool nm
       ;;
+    exr)
+      need libopenexr-dev header OpenEXR/ImfOutputFile.h
+      ;;
     extra)
       need clang tool clang++
       need libclang-rt-14-dev clang_runtime
-      need libopenexr-dev header OpenEXR/ImfOutputFile.h
       need clang-format tool clang-format
       need clang-tidy tool clang-tidy
       need qemu-user tool qemu-aarch64
       need g++-aarch64-linux-gnu tool aarch64-linux-gnu-g++
       ;;
     *)
-      echo "install_deps.sh: unknown set '$set': build, test or extra" >&2
+      echo "install_deps.sh: unknown set '$set': build, test, exr or extra" >&2
       exit 2
       ;;
   esac

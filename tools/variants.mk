@@ -43,7 +43,13 @@ CROSS              := -DFMT_HEADER_ONLY -isystem build/sysinclude
 variant_aarch64    = $(call variant,aarch64-linux-gnu-g++,-O2,$(CROSS))
 variant_clang-aarch64 = $(call variant,clang++ --target=aarch64-linux-gnu,-O2,$(CROSS))
 
+# The default with OpenEXR.
+variant_exr        = $(call variant,g++,-O2)
+
 $(eval $(variant_$(VARIANT)))
+ifeq ($(VARIANT),exr)
+EXR := yes
+endif
 ifneq ($(filter %aarch64,$(VARIANT)),)
 LINK := -static
 LIBS :=

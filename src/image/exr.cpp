@@ -1,4 +1,4 @@
-// OpenEXR files [Kainz09], by the library of that name; compiled where it is installed.
+// OpenEXR files [Kainz09], by the library of that name; compiled where EXR=yes asks for it.
 #if defined(MLT_HAS_OPENEXR)
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

@@ -54,7 +54,7 @@ ImageFormat image_format_of(const std::string& path) {
 #if !defined(MLT_HAS_OPENEXR)
   if (extension == ".exr") {
     throw InputError(Diagnostic{path, 0, 0,
-                                "this build has no OpenEXR (build it again with libopenexr-dev installed); "
+                                "this build has no OpenEXR (`make EXR=yes` has); "
                                 "expected one of " +
                                     image_extensions()});
   }

@@ -1,4 +1,4 @@
-// OpenEXR files, where the library is there.
+// OpenEXR files, where EXR=yes builds them in.
 #if defined(MLT_HAS_OPENEXR)
 #include <catch2/catch.hpp>
 #include <fstream>
