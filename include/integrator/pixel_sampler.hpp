@@ -180,9 +180,9 @@ class PixelSampler : public FloatSamples<PixelSampler> {
     return static_cast<std::uint32_t>(quotient(((std::uint64_t{pixel} + 1) << 32) - 1, side));
   }
 
-  /// The integer part of a / b for a < 2^49 and b <= 2^16, by the division of doubles, which takes half the
-  /// time of integers'. A quotient that is no integer is at least 2^-16 below the next one, and below 2^33,
-  /// where doubles are 2^-20 apart: rounding does not reach it.
+  /// The integer part of a / b for a < 2^49 and b <= 2^16, by the division of doubles. A quotient that is no
+  /// integer is at least 2^-16 below the next one, and below 2^33, where doubles are 2^-20 apart: rounding
+  /// does not reach it.
   static std::uint64_t quotient(std::uint64_t a, std::uint32_t b) {
     const double ratio = static_cast<double>(static_cast<std::int64_t>(a)) / static_cast<double>(b);
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(ratio));

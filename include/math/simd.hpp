@@ -150,9 +150,6 @@ MLT_INLINE Float4 max4(Float4 a, Float4 b) {
   return std::bit_cast<Float4>(((a > b) & std::bit_cast<Int4>(a)) | (~(a > b) & std::bit_cast<Int4>(b)));
 #endif
 }
-MLT_INLINE Int4 broadcast4_int(std::int32_t value) {
-  return Int4{value, value, value, value};
-}
 /// As select.
 MLT_INLINE Float4 select4(Int4 mask, Float4 when_true, Float4 when_false) {
   return std::bit_cast<Float4>((mask & std::bit_cast<Int4>(when_true)) |

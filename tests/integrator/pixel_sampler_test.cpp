@@ -272,5 +272,30 @@ TEST_CASE("a sample is a function of seed, pixel, index and dimension; skipping 
   CHECK(other_seed.next() != values[2]);
 }
 
+TEST_CASE("a sample is a function of pixel, index and dimension alone, whatever was asked for before") {
+  // Dimensions beyond those that the sampler remembers, too; in an order that no path has.
+  constexpr std::uint32_t kLast = 300;
+  PixelSampler used(9, 8, 8, 32);
+  for (const std::uint32_t sample : {0U, 9U, 3U, 31U, 8U}) {
+    used.start(2, 5, sample, 1);
+    for (std::uint32_t dimension = 2; dimension + 2 <= kLast; dimension += 3) {
+      PixelSampler fresh(9, 8, 8, 32);
+      fresh.start(2, 5, sample, 1);
+      fresh.skip(dimension);
+      used.start(2, 5, sample, 1);
+      used.skip(dimension);
+      REQUIRE(used.next_2d() == fresh.next_2d());
+      REQUIRE(used.next_fixed() == fresh.next_fixed());
+      REQUIRE(used.dimension() == dimension + 3);
+    }
+  }
+  // And no two of them are the same.
+  std::vector<std::uint32_t> values;
+  used.start(2, 5, 7);
+  for (std::uint32_t dimension = 0; dimension < kLast; ++dimension) values.push_back(used.next_fixed());
+  std::sort(values.begin(), values.end());
+  CHECK(std::adjacent_find(values.begin(), values.end()) == values.end());
+}
+
 }  // namespace
 }  // namespace mlt::test
