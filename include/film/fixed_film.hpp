@@ -48,6 +48,7 @@ enum class FilmWriters : std::uint8_t { one, several };
 
 class FixedFilm {
  public:
+  FixedFilm() = default;
   /// `half` is 1 or -1 for the half that the splats belong to, 0 for neither.
   FixedFilm(std::span<FilmPixel> pixels, std::uint32_t fraction_bits, int half = 0,
             FilmWriters writers = FilmWriters::one)
@@ -85,9 +86,9 @@ class FixedFilm {
   }
 
   std::span<FilmPixel> pixels_;
-  double scale_;
-  std::int64_t half_;
-  FilmWriters writers_;
+  double scale_ = 0;
+  std::int64_t half_ = 0;
+  FilmWriters writers_ = FilmWriters::one;
 };
 
 /// Adds pixels [first, last) of `source` to `sum`.

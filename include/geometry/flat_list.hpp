@@ -36,6 +36,7 @@
 
 #include "geometry/quad_block.hpp"
 #include "geometry/shapes.hpp"
+#include "math/wide.hpp"
 
 namespace mlt {
 
@@ -48,6 +49,7 @@ struct alignas(64) FlatBlock {
   LaneFloat inner;     ///< the square within which hits can be sure: about 1/2, or none
   LaneInt slot;        ///< in FlatList::polygons
   std::uint32_t axis;  ///< k
+  std::uint32_t used;  ///< lanes
 };
 
 /// A polygon with its box.
@@ -90,57 +92,80 @@ class FlatListBuilder {
   std::uint32_t slot_ = 0;
 };
 
-/// What the fast test needs of a ray.
-struct FlatRay {
-  LaneFloat origin[5], direction[5];  ///< x, y, z, x, y
-  LaneFloat error;                    ///< 32uM max(D, 1)
+/// What the fast test needs of a ray, in all lanes the same, or of as many rays as there are lanes.
+template <class F>
+struct FlatRayOf {
+  F origin[5], direction[5];  ///< x, y, z, x, y
+  F error;                    ///< 32uM max(D, 1)
 
-  MLT_INLINE FlatRay(const Ray& ray, const RayLanes& lanes, float extent) {
-#pragma GCC unroll 8
-    for (int i = 0; i < 5; ++i) {
-      origin[i] = broadcast((&ray.origin.x)[i % 3]);
-      direction[i] = broadcast((&ray.direction.x)[i % 3]);
-    }
-    const float longest = lanes.longest[0];
-    error = broadcast((lanes.distance + extent) * (0x1p-19f * (longest > 1.0f ? longest : 1.0f)));
+  MLT_INLINE FlatRayOf(const RayOf<F>& ray, F longest, F distance, float extent)
+      : origin{ray.origin.x, ray.origin.y, ray.origin.z, ray.origin.x, ray.origin.y},
+        direction{ray.direction.x, ray.direction.y, ray.direction.z, ray.direction.x, ray.direction.y},
+        error((distance + extent) * (0x1p-19f * larger(longest, broadcast_to<F>(1.0f)))) {}
+};
+
+/// One ray.
+struct FlatRay : FlatRayOf<LaneFloat> {
+  MLT_INLINE FlatRay(const Ray& ray, const RayLanes& lanes, float extent)
+      : FlatRayOf({broadcast_to<LaneFloat>(ray.origin), broadcast_to<LaneFloat>(ray.direction), LaneFloat{}},
+                  broadcast(lanes.longest[0]), broadcast(lanes.distance), extent) {}
+};
+
+/// The coefficients of a block's polygons, for one ray.
+struct BlockCoefficients {
+  const FlatBlock& block;
+  MLT_INLINE LaneFloat operator()(LaneFloat FlatBlock::*coefficient) const { return block.*coefficient; }
+};
+/// Those of one of its polygons, for as many rays as there are lanes.
+template <class F>
+struct PolygonCoefficients {
+  const FlatBlock& block;
+  int lane;
+  MLT_INLINE F operator()(LaneFloat FlatBlock::*coefficient) const {
+    return broadcast_to<F>((block.*coefficient)[lane]);
   }
 };
 
-/// Where polygons of a block might be hit.
+/// Where rays might hit polygons.
+template <class F>
 struct FlatBounds {
-  LaneFloat first;   ///< no hit lies before; 0 or more
-  LaneInt rejected;  ///< no hit at all
-  LaneInt sure;      ///< the ray meets the polygon at 0 < t < limit
+  F first;             ///< no hit lies before; 0 or more
+  MaskOf<F> rejected;  ///< no hit at all
+  MaskOf<F> sure;      ///< the ray meets the polygon at 0 < t < limit
 };
 
-template <bool kSure>
-MLT_INLINE FlatBounds bound_hits(const FlatBlock& block, const FlatRay& ray,
-                                 [[maybe_unused]] LaneFloat limit) {
-  const LaneFloat* const origin = ray.origin + block.axis;
-  const LaneFloat* const direction = ray.direction + block.axis;
+template <bool kSure, class F, class Coefficients>
+MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray,
+                                    [[maybe_unused]] F limit) {
+  const F* const origin = ray.origin + axis;
+  const F* const direction = ray.direction + axis;
+  const F normal_i = of(&FlatBlock::normal_i), normal_j = of(&FlatBlock::normal_j);
   // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
-  const LaneFloat height = mul_add_bound(block.normal_j, origin[2],
-                                         mul_add_bound(block.normal_i, origin[1], origin[0] - block.offset));
-  const LaneFloat inverse = -1.0f / mul_add_bound(block.normal_j, direction[2],
-                                                  mul_add_bound(block.normal_i, direction[1], direction[0]));
-  const LaneFloat error = abs_lanes(inverse) * ray.error;
-  const LaneFloat t = height * inverse;
-  const LaneFloat p_i = mul_add_bound(t, direction[1], origin[1]);
-  const LaneFloat p_j = mul_add_bound(t, direction[2], origin[2]);
-  const LaneFloat u = mul_add_bound(block.u_j, p_j, mul_add_bound(block.u_i, p_i, block.u_0));
-  const LaneFloat v = mul_add_bound(block.v_j, p_j, mul_add_bound(block.v_i, p_i, block.v_0));
-  const LaneFloat off = max_lanes(abs_lanes(u), abs_lanes(v));
-  const LaneFloat zero{};
-  const LaneFloat first = mul_add_bound(error, block.depth_error, t);
-  FlatBounds bounds;
-  bounds.first = max_lanes(first, zero);
-  bounds.rejected = (mul_add_bound(error, block.plane_error, t) <= zero) |
-                    (mul_add_bound(error, block.position_error, off) > broadcast(0.5f));
+  const F height = mul_add_bound(normal_j, origin[2],
+                                 mul_add_bound(normal_i, origin[1], origin[0] - of(&FlatBlock::offset)));
+  const F inverse =
+      -1.0f / mul_add_bound(normal_j, direction[2], mul_add_bound(normal_i, direction[1], direction[0]));
+  const F error = magnitude(inverse) * ray.error;
+  const F t = height * inverse;
+  const F p_i = mul_add_bound(t, direction[1], origin[1]);
+  const F p_j = mul_add_bound(t, direction[2], origin[2]);
+  const F u =
+      mul_add_bound(of(&FlatBlock::u_j), p_j, mul_add_bound(of(&FlatBlock::u_i), p_i, of(&FlatBlock::u_0)));
+  const F v =
+      mul_add_bound(of(&FlatBlock::v_j), p_j, mul_add_bound(of(&FlatBlock::v_i), p_i, of(&FlatBlock::v_0)));
+  const F off = larger(magnitude(u), magnitude(v));
+  const F zero{};
+  const F position_error = of(&FlatBlock::position_error);
+  const F first = mul_add_bound(error, of(&FlatBlock::depth_error), t);
+  FlatBounds<F> bounds;
+  bounds.first = larger(first, zero);
+  bounds.rejected = (mul_add_bound(error, of(&FlatBlock::plane_error), t) <= zero) |
+                    (mul_add_bound(error, position_error, off) > 0.5f);
   if constexpr (kSure) {
     bounds.rejected |= first > limit;
     // Twice the position error, and the depth error to the other side.
-    const LaneFloat sure_off = mul_add_bound(error, -2.0f * block.position_error, off);
-    bounds.sure = (sure_off < block.inner) & (first > zero) & ((t + t) - first < limit);
+    const F sure_off = mul_add_bound(error, -2.0f * position_error, off);
+    bounds.sure = (sure_off < of(&FlatBlock::inner)) & (first > zero) & ((t + t) - first < limit);
   }
   return bounds;
 }
@@ -183,8 +208,9 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
   LaneFloat keys[kFlatBlocks];
   LaneFloat least = broadcast(kNever), second = least;
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
-    const FlatBounds bounds = bound_hits<false>(list.blocks[i], ray, least);
-    const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | list.blocks[i].slot;
+    const FlatBlock& block = list.blocks[i];
+    const auto bounds = bound_hits<false, LaneFloat>(block.axis, BlockCoefficients{block}, ray, least);
+    const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | block.slot;
     keys[i] = or_lanes(bounds.rejected, floats_of(key));
     // The order of arguments passes over NaN.
     second = min_lanes(max_lanes(least, keys[i]), second);
@@ -214,7 +240,8 @@ MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat l
   LaneInt all = bits_of(limit) | -1;
   LaneInt sure{};
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
-    const FlatBounds bounds = bound_hits<true>(list.blocks[i], ray, limit);
+    const FlatBlock& block = list.blocks[i];
+    const auto bounds = bound_hits<true, LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit);
     sure |= bounds.sure;
     all &= bounds.rejected;
     rejected[i] = bounds.rejected;

@@ -32,9 +32,8 @@ struct GeometryCounts {
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
-  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks: for more, and with four
-  // lanes, the fast test of a FlatList costs more than it saves.
-  std::uint32_t bounded_quads = kLanes >= 8 ? 24 : 0;
+  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks.
+  std::uint32_t bounded_quads = 48;
   std::uint32_t bounded_triangles = 0;
 };
 
@@ -100,6 +99,14 @@ class Geometry {
   /// The point of a hit that intersect found with the same ray.
   template <bool kGeneral>
   SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
+
+  /// The same for each lane of `active`; nothing is known of other lanes.
+  template <bool kGeneral, class F>
+  HitOf<F> intersect_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const;
+  template <bool kGeneral, class F>
+  MaskOf<F> occluded_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const;
+  template <bool kGeneral, class F>
+  SurfacePointOf<F> surface_points(const RayOf<F>& ray, const HitOf<F>& hits, const MaskOf<F>& active) const;
 
   /// Largest absolute coordinate of any primitive.
   float extent() const { return extent_; }

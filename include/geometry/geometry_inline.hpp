@@ -3,11 +3,9 @@
 
 #include "geometry/geometry.hpp"
 #include "geometry/surface.hpp"
+#include "geometry/wide_flat.hpp"
 
 namespace mlt {
-
-inline constexpr std::uint32_t kSecondTriangle =
-    0x80000000U;  ///< in Hit::slot: on triangle a, c, d of a quad
 
 template <class Block>
 struct HitsOfBlock;
@@ -213,6 +211,46 @@ template <bool kGeneral>
                                ? &quads_.blocks[block].quads[lane]
                                : &flat_lists_[slot / kFlatSlots].polygons[slot % kFlatSlots].quad;
   return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
+}
+
+template <bool kGeneral, class F>
+MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const {
+  HitOf<F> hits;
+  MaskOf<F> alone = active;
+  if constexpr (!kGeneral && VectorType<F>) {
+    if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, active, alone);
+  }
+  for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(lane_of(ray, lane))); });
+  return hits;
+}
+
+template <bool kGeneral, class F>
+MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const {
+  MaskOf<F> blocked{};
+  MaskOf<F> alone = active;
+  if constexpr (!kGeneral && VectorType<F>) {
+    if (!flat_lists_.empty()) blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, active, alone);
+  }
+  for_lanes(alone, [&](int lane) {
+    if (occluded<kGeneral>(lane_of(ray, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);
+  });
+  return blocked;
+}
+
+template <bool kGeneral, class F>
+MLT_NOINLINE SurfacePointOf<F> Geometry::surface_points(const RayOf<F>& ray, const HitOf<F>& hits,
+                                                        const MaskOf<F>& active) const {
+  if constexpr (!kGeneral && VectorType<F>) {
+    if (!flat_lists_.empty()) return flat_points<F>(flat_lists_[0], hits);
+  }
+  SurfacePointOf<F> points;
+  for_lanes(active, [&](int lane) {
+    const SurfacePoint point = surface_point<kGeneral>(lane_of(ray, lane), lane_of(hits, lane));
+    set_lane_of(points.position, lane, point.position);
+    set_lane_of(points.normal, lane, point.normal);
+    set_lane_of(points.offset_bound, lane, point.offset_bound);
+  });
+  return points;
 }
 
 }  // namespace mlt

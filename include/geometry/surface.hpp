@@ -24,19 +24,22 @@ inline Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// another u|p| after the offset is added. The polygon test of a ray that leaves from there sees corners
 /// moved by up to 7uE (ray_frame.hpp), along a normal whose components sum to at most sqrt(3). The bound is
 /// their sum with a little to spare.
-MLT_INLINE SurfacePoint polygon_point(const Vec3& a, const Vec3& middle, const Vec3& c, const Vec3& normal,
-                                      const Hit& hit) {
-  const Vec3 to_middle = middle - a;
-  const Vec3 to_c = c - a;
-  SurfacePoint point;
+template <class F>
+MLT_INLINE SurfacePointOf<F> polygon_point(const Vec3Of<F>& a, const Vec3Of<F>& middle, const Vec3Of<F>& c,
+                                           const Vec3Of<F>& normal, const HitOf<F>& hit) {
+  const Vec3Of<F> to_middle = middle - a;
+  const Vec3Of<F> to_c = c - a;
+  SurfacePointOf<F> point;
   point.position = a + (to_middle * hit.weights[0] + to_c * hit.weights[1]);
   point.normal = normal;
-  const Vec3 along{std::fabs(point.position.x * point.normal.x), std::fabs(point.position.y * point.normal.y),
-                   std::fabs(point.position.z * point.normal.z)};
-  const Vec3 edges{std::fabs(to_middle.x) + std::fabs(to_c.x), std::fabs(to_middle.y) + std::fabs(to_c.y),
-                   std::fabs(to_middle.z) + std::fabs(to_c.z)};
+  const Vec3Of<F> along{magnitude(point.position.x * point.normal.x),
+                        magnitude(point.position.y * point.normal.y),
+                        magnitude(point.position.z * point.normal.z)};
+  const Vec3Of<F> edges{magnitude(to_middle.x) + magnitude(to_c.x),
+                        magnitude(to_middle.y) + magnitude(to_c.y),
+                        magnitude(to_middle.z) + magnitude(to_c.z)};
   point.offset_bound =
-      kUnitRoundoff * (4.0f * ((along.x + along.y) + along.z) + 24.0f * max_component(edges));
+      kUnitRoundoff * (4.0f * ((along.x + along.y) + along.z) + 24.0f * max_component<F>(edges));
   return point;
 }
 
@@ -44,12 +47,12 @@ MLT_INLINE SurfacePoint triangle_point(const TriangleBlock& block, int lane, con
   const Vec3 a = block.corner(0, lane);
   const Vec3 b = block.corner(1, lane);
   const Vec3 c = block.corner(2, lane);
-  return polygon_point(a, b, c, unit_normal(a, b, c), hit);
+  return polygon_point<float>(a, b, c, unit_normal(a, b, c), hit);
 }
 
 MLT_INLINE SurfacePoint quad_point(const QuadRecord& quad, bool second, const Hit& hit) {
-  return polygon_point(quad.corner(0), quad.corner(second ? 3 : 1), quad.corner(2),
-                       Vec3{quad.normal[0], quad.normal[1], quad.normal[2]}, hit);
+  return polygon_point<float>(quad.corner(0), quad.corner(second ? 3 : 1), quad.corner(2),
+                              Vec3{quad.normal[0], quad.normal[1], quad.normal[2]}, hit);
 }
 
 /// The point is moved along its radius onto the sphere, off by 5u radius + u|p|. A ray that leaves from there

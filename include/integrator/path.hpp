@@ -10,6 +10,7 @@
 #include "integrator/splat.hpp"
 #include "light/light_table.hpp"
 #include "material/bsdf.hpp"
+#include "math/gather.hpp"
 #include "math/vec.hpp"
 #include "world/world.hpp"
 
@@ -21,12 +22,14 @@ struct PathSettings {
 };
 
 /// Veach's power heuristic with exponent 2, as a ratio: squares of densities would over- and underflow.
-inline float power_heuristic(float pdf, float other_pdf) {
-  const float ratio = other_pdf / pdf;
+template <class F>
+MLT_INLINE F power_heuristic(F pdf, F other_pdf) {
+  const F ratio = other_pdf / pdf;
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-template <FeatureMask kFeatures>
+/// As many paths at once as F has lanes, edge by edge; a path that ends leaves its lane idle until all have.
+template <FeatureMask kFeatures, class F = float>
 class PathIntegrator {
   static constexpr bool kGeneralGeometry = has(kFeatures, FeatureBit::general_geometry);
   static constexpr bool kDiffuseOnly = !has(kFeatures, FeatureBit::general_materials);
@@ -37,7 +40,11 @@ class PathIntegrator {
   static constexpr std::uint32_t kLightSamples = 2 + (kManyLights ? 1 : 0);
   static constexpr std::uint32_t kBsdfSamples = 2 + (kLobeChoice ? 1 : 0);
 
+  using V = Vec3Of<F>;
+  using M = MaskOf<F>;
+
  public:
+  using Float = F;
   static constexpr std::uint32_t kMaxSplats = 1;
 
   PathIntegrator(const World& world, const PathSettings& settings) : world_(world), settings_(settings) {}
@@ -48,14 +55,15 @@ class PathIntegrator {
     return 2 + (depth - 1) * (kLightSamples + kBsdfSamples + (kRoulette ? 1 : 0));
   }
 
-  /// Evaluates one path; calls sink(Splat) once. The value may be zero.
+  /// Evaluates one path in each lane of `active`; calls sink(SplatOf<F>, active) once. Values may be zero.
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
-    const std::uint32_t sample_x = sampler.next_fixed();
-    const std::uint32_t sample_y = sampler.next_fixed();
-    const FilmPosition film = world_.camera.film_position(sample_x, sample_y);
-    const Ray ray{world_.camera.eye, world_.camera.direction(film), kInfinity};
-    sink(Splat{film.y * world_.camera.width + film.x, trace(sampler, ray)});
+  void evaluate(Sampler& sampler, Sink&& sink, M active = not_in(M{})) const {
+    const UintOf<F> sample_x = sampler.next_fixed(active);
+    const UintOf<F> sample_y = sampler.next_fixed(active);
+    const FilmPositionOf<F> film = world_.camera.film_position<F>(sample_x, sample_y);
+    const RayOf<F> ray{broadcast_to<F>(world_.camera.eye), world_.camera.direction<F>(film),
+                       broadcast_to<F>(kInfinity)};
+    sink(SplatOf<F>{film.y * world_.camera.width + film.x, trace(sampler, ray, active)}, active);
   }
 
  private:
@@ -64,91 +72,115 @@ class PathIntegrator {
 
   /// What the next hit of a light must know of the vertex before it.
   struct Arrival {
-    Vec3 from{0, 0, 0};
-    float pdf_solid_angle = 0;
-    bool is_delta = true;  ///< light sampling could not have produced this edge
+    V from{F{}, F{}, F{}};
+    F pdf_solid_angle{};
+    M is_delta = not_in(M{});  ///< light sampling could not have produced this edge
   };
 
   template <class Sampler>
-  Vec3 trace(Sampler& sampler, Ray ray) const {
-    Vec3 radiance{0, 0, 0};
-    Vec3 throughput{1, 1, 1};
+  MLT_NOINLINE V trace(Sampler& sampler, const RayOf<F>& camera_ray, const M& all) const {
+    RayOf<F> ray = camera_ray;
+    M active = all;
+    const F one = broadcast_to<F>(1.0f);
+    V radiance{F{}, F{}, F{}};
+    V throughput{one, one, one};
     Arrival arrival;
-    float eta_scale = 1;
+    F eta_scale = one;
     for (std::uint32_t edge = 1;; ++edge) {
-      const Hit hit = world_.geometry.template intersect<kGeneralGeometry>(ray);
-      if (!hit.found()) return radiance;
-      const SurfacePoint point = world_.geometry.template surface_point<kGeneralGeometry>(ray, hit);
-      const PrimitiveRecord primitive = world_.primitives[hit.primitive];
-      if (primitive.light != kNoLight) {
-        radiance += throughput * emitted(primitive.light, point, ray.direction, arrival);
+      const HitOf<F> hit = world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, active);
+      active &= hit.found();
+      if (!any(active)) return radiance;
+      const SurfacePointOf<F> point =
+          world_.geometry.template surface_points<kGeneralGeometry, F>(ray, hit, active);
+      const UintOf<F> primitive = select(active, hit.primitive, UintOf<F>{}) * kPrimitiveBytes;
+      const UintOf<F> light = gather_bytes<F>(&world_.primitives[0].light, primitive);
+      if (const M lit = active & (light != kNoLight); any(lit)) {
+        const V gathered =
+            throughput * emitted(select(lit, light, UintOf<F>{}), point, ray.direction, arrival, lit);
+        radiance = select(lit, radiance + gathered, radiance);
       }
       if (edge == settings_.depth) return radiance;
 
-      const Material& material = world_.materials[primitive.material];
-      const Frame frame(point.normal);
-      const Vec3 wo = frame.to_local(-ray.direction);
-      if (kDiffuseOnly || !material.is_delta()) {
-        radiance += throughput * direct_light(sampler, material, frame, point, wo);
+      const MaterialRefOf<F> material(world_.materials.data(),
+                                      gather_bytes<F>(&world_.primitives[0].material, primitive));
+      const FrameOf<F> frame(point.normal);
+      const V wo = frame.to_local(-ray.direction);
+      if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
+        const V gathered = throughput * direct_light(sampler, material, frame, point, wo, rough);
+        radiance = select(rough, radiance + gathered, radiance);
       } else {
-        sampler.skip(kLightSamples);
+        sampler.skip(kLightSamples, active);
       }
 
-      const float u_lobe = kLobeChoice ? sampler.next() : 0.0f;
-      const BsdfSample bsdf = sample_bsdf<kDiffuseOnly>(material, wo, u_lobe, sampler.next_2d());
+      const F u_lobe = kLobeChoice ? sampler.next(active) : F{};
+      const BsdfSampleOf<F> bsdf =
+          sample_bsdf<kDiffuseOnly, F>(material, wo, u_lobe, sampler.next_2d(active), active);
       throughput *= bsdf.weight;
-      if (is_zero(throughput)) return radiance;
+      active &= not_in(is_zero<F>(throughput));
+      if (!any(active)) return radiance;
       if constexpr (kRoulette) {
         eta_scale *= bsdf.eta_scale;
-        if (!survives(sampler, edge, eta_scale, throughput)) return radiance;
+        active &= survives(sampler, edge, eta_scale, throughput, active);
+        if (!any(active)) return radiance;
       }
       arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
-      const Vec3 direction = frame.to_world(bsdf.wi);
-      ray = Ray{point.origin_towards(direction), direction, kInfinity};
+      const V direction = frame.to_world(bsdf.wi);
+      ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
     }
   }
 
-  /// Radiance emitted against the ray, weighted against light sampling from the vertex before.
-  Vec3 emitted(std::uint32_t light_index, const SurfacePoint& point, const Vec3& direction,
-               const Arrival& arrival) const {
-    if (dot(direction, point.normal) >= 0.0f) return Vec3{0, 0, 0};
-    const Vec3 radiance = world_.lights.lights[light_index].radiance;
-    if (arrival.is_delta) return radiance;
-    const float pdf_light =
-        light_pdf_solid_angle(world_.lights, light_index, arrival.from, point.position, direction);
-    return radiance * power_heuristic(arrival.pdf_solid_angle, pdf_light);
+  /// Radiance emitted against the ray in the lanes of `lit`, weighted against light sampling from the vertex
+  /// before.
+  MLT_INLINE V emitted(UintOf<F> light_index, const SurfacePointOf<F>& point, const V& direction,
+                       const Arrival& arrival, M lit) const {
+    const M is_front = dot(direction, point.normal) < 0.0f;
+    const LightRefOf<F> light(world_.lights.lights.data(), light_index);
+    const V radiance = select(is_front, light.load().radiance, V{F{}, F{}, F{}});
+    const M weighted = lit & is_front & not_in(arrival.is_delta);
+    if (!any(weighted)) return radiance;
+    const F pdf_light = light_pdf_solid_angle<F>(world_.lights, light_index, arrival.from, point.position,
+                                                 direction, weighted);
+    const F weight = power_heuristic(nonzero(weighted, arrival.pdf_solid_angle), pdf_light);
+    return select(weighted, radiance * weight, radiance);
   }
 
-  /// Next-event estimation: one point on one light, weighted against BSDF sampling.
+  /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
   template <class Sampler>
-  Vec3 direct_light(Sampler& sampler, const Material& material, const Frame& frame, const SurfacePoint& point,
-                    const Vec3& wo) const {
-    const float u_choice = kManyLights ? sampler.next() : 0.0f;
-    const LightSample light =
-        sample_light<kManyLights>(world_.lights, point.position, u_choice, sampler.next_2d());
-    if (!(light.pdf_solid_angle > 0.0f) || is_zero(light.radiance)) return Vec3{0, 0, 0};
-    const BsdfValue bsdf = evaluate_bsdf<kDiffuseOnly>(material, wo, frame.to_local(light.direction));
-    if (is_zero(bsdf.f_cos)) return Vec3{0, 0, 0};
-    const Vec3 origin = point.origin_towards(light.direction);
-    const Ray segment{origin, light.position - origin, 1.0f};
-    if (world_.geometry.template occluded<kGeneralGeometry>(segment)) return Vec3{0, 0, 0};
-    const float weight = power_heuristic(light.pdf_solid_angle, bsdf.pdf_solid_angle) / light.pdf_solid_angle;
-    return bsdf.f_cos * light.radiance * weight;
+  MLT_INLINE V direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const FrameOf<F>& frame,
+                            const SurfacePointOf<F>& point, const V& wo, M active) const {
+    const V black{F{}, F{}, F{}};
+    const F u_choice = kManyLights ? sampler.next(active) : F{};
+    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, point.position, u_choice,
+                                                                sampler.next_2d(active), active);
+    M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
+    if (!any(seen)) return black;
+    const BsdfValueOf<F> bsdf =
+        evaluate_bsdf<kDiffuseOnly, F>(material, wo, frame.to_local(light.direction), seen);
+    seen &= not_in(is_zero<F>(bsdf.f_cos));
+    if (!any(seen)) return black;
+    const V origin = point.origin_towards(light.direction);
+    const RayOf<F> segment{origin, light.position - origin, broadcast_to<F>(1.0f)};
+    seen &= not_in(world_.geometry.template occluded_lanes<kGeneralGeometry, F>(segment, seen));
+    if (!any(seen)) return black;
+    const F pdf = nonzero(seen, light.pdf_solid_angle);
+    const F weight = power_heuristic(pdf, bsdf.pdf_solid_angle) / pdf;
+    return select(seen, bsdf.f_cos * light.radiance * weight, black);
   }
 
-  /// Russian roulette: ends the path with the probability that its throughput, less the squeezing of radiance
+  /// Russian roulette: ends paths with the probability that their throughput, less the squeezing of radiance
   /// in denser media, falls short of 1.
   template <class Sampler>
-  bool survives(Sampler& sampler, std::uint32_t edge, float eta_scale, Vec3& throughput) const {
-    const float u = sampler.next();
-    if (edge < settings_.roulette) return true;
-    const float wanted = max_component(throughput) * eta_scale;
-    if (!(wanted < 1.0f)) return true;
-    const float survival = wanted > kMinSurvival ? wanted : kMinSurvival;
-    if (u >= survival) return false;
-    throughput *= 1.0f / survival;
-    return true;
+  MLT_INLINE M survives(Sampler& sampler, std::uint32_t edge, F eta_scale, V& throughput, M active) const {
+    const F u = sampler.next(active);
+    if (edge < settings_.roulette) return active;
+    const F wanted = max_component<F>(throughput) * eta_scale;
+    const M at_risk = wanted < 1.0f;
+    const F survival = larger(wanted, broadcast_to<F>(kMinSurvival));
+    throughput = select(at_risk, throughput * (1.0f / survival), throughput);
+    return not_in(M(at_risk & (u >= survival)));
   }
+
+  static constexpr auto kPrimitiveBytes = static_cast<std::uint32_t>(sizeof(PrimitiveRecord));
 
   const World& world_;
   PathSettings settings_;

@@ -57,10 +57,14 @@ MLT_INLINE constexpr Bits reversed_sobol_second(Bits index) {
   return index ^ (index & 0xaaaaaaaaU) >> 1;
 }
 
-class PixelSampler : public FloatSamples<PixelSampler> {
+/// Lanes have samples of one pixel with ascending indices.
+template <class F>
+class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
+  using U = UintOf<F>;
+
  public:
   /// For `sample_count` samples (>= 1) of a sequence in each pixel of a film of width x height pixels.
-  PixelSampler(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
+  PixelSamplerOf(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
       : seed_(seed), width_(width), height_(height) {
     // Index bits above the sample count would only add a constant digital shift, which the scramble adds
     // anyway.
@@ -68,38 +72,40 @@ class PixelSampler : public FloatSamples<PixelSampler> {
       index_mask_ = (index_mask_ << 1) | 1U;
   }
 
-  /// Sample `sample` of the pixel's sequence number `sequence`; sequences are independent.
+  /// Sample `sample`, a multiple of the number of lanes, and those after it of the pixel's sequence number
+  /// `sequence`; sequences are independent.
   void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence = 0) {
     const bool is_new = sequence_stamp_ == 0 || x != x_ || y != y_ || sequence != sequence_;
     if (is_new) start_sequence(x, y, sequence);
     if (is_new || sample / kBlock != block_) start_block(sample / kBlock);
     lane_ = sample % kBlock;
-    dimension_ = 0;
+    progress_.restart();
   }
 
-  std::uint32_t next_fixed() {
-    const std::uint32_t dimension = dimension_++;
-    if (dimension == 0) return film_coordinate(x_, width_, last_x_, film_.first[lane_]);
-    if (dimension == 1) return film_coordinate(y_, height_, last_y_, film_.second[lane_]);
-    return samples_of(dimension, Kind::single).first[lane_];
+  U next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) {
+    const std::uint32_t dimension = progress_.advance(1, active);
+    if (dimension == 0) return film_coordinates(x_, width_, last_x_, film_.first);
+    if (dimension == 1) return film_coordinates(y_, height_, last_y_, film_.second);
+    return load_wide<U>(samples_of(dimension, Kind::single).first + lane_);
   }
 
-  Vec2 next_2d() {
-    const Samples& samples = samples_of(dimension_, Kind::pair);
-    dimension_ += 2;
-    return Vec2{unit_float(samples.first[lane_]), unit_float(samples.second[lane_])};
+  Vec2Of<F> next_2d(MaskOf<F> active = not_in(MaskOf<F>{})) {
+    const Samples& samples = samples_of(progress_.advance(2, active), Kind::pair);
+    return Vec2Of<F>{unit_float(load_wide<U>(samples.first + lane_)),
+                     unit_float(load_wide<U>(samples.second + lane_))};
   }
 
-  void skip(std::uint32_t count) { dimension_ += count; }
+  void skip(std::uint32_t count, MaskOf<F> active = not_in(MaskOf<F>{})) { progress_.advance(count, active); }
 
-  /// How far the path has come: samples asked for or skipped since start().
-  std::uint32_t dimension() const { return dimension_; }
+  /// How far the paths have come since start().
+  U dimension() const { return progress_.reached(); }
 
  private:
-  static constexpr std::uint32_t kBlock = 8;  ///< samples computed together
+  /// Samples computed together.
+  static constexpr std::uint32_t kBlock = kLaneCount<F> > 8 ? kLaneCount<F> : 8;
   /// Dimensions beyond it, which few paths reach, share one place.
   static constexpr std::uint32_t kRemembered = 128;
-  static_assert(kBlock % kLanes == 0);
+  static_assert(kBlock % kLanes == 0 && kBlock % kLaneCount<F> == 0);
 
   enum class Kind : std::uint8_t { single, pair };
 
@@ -167,6 +173,16 @@ class PixelSampler : public FloatSamples<PixelSampler> {
     }
   }
 
+  U film_coordinates(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
+                     const std::uint32_t* jitters) const {
+    U coordinates{};
+    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+      set_lane_of(coordinates, lane,
+                  film_coordinate(pixel, side, last, jitters[lane_ + static_cast<std::uint32_t>(lane)]));
+    }
+    return coordinates;
+  }
+
   /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at
   /// or after pixel + jitter, so that multiplying by the side gives back exactly this pixel.
   static std::uint32_t film_coordinate(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
@@ -193,12 +209,13 @@ class PixelSampler : public FloatSamples<PixelSampler> {
   std::uint32_t index_mask_ = 0;
   std::uint32_t x_ = 0, y_ = 0, last_x_ = 0, last_y_ = 0;
   std::uint32_t block_ = 0, lane_ = 0;
-  std::uint32_t dimension_ = 0;
+  Progress<F> progress_;
   std::uint64_t sequence_ = 0, sequence_key_ = 0;
   std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
   alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};
   Samples film_;
   Samples remembered_[kRemembered + 1];
 };
+using PixelSampler = PixelSamplerOf<float>;
 
 }  // namespace mlt

@@ -1,9 +1,11 @@
-// Where integrators get their randomness: one primary sample after the other. A sampler has
-//   uint32_t next_fixed()   the next primary sample, a 32-bit fixed-point number in [0,1)
-//   float next()            the same as a float in [0, 1-2^-24]
-//   Vec2 next_2d()          two at once, which a stratifying sampler distributes jointly
-//   void skip(n)            passes over n primary samples that this path does not need, so that later ones
-//                           keep their meaning
+// Where integrators get their randomness: one primary sample after the other, for the lanes of a mask. A
+// sampler has
+//   Uint next_fixed(active)   the next primary sample, a 32-bit fixed-point number in [0,1)
+//   Float next(active)        the same as a float in [0, 1-2^-24]
+//   Vec2 next_2d(active)      two at once, which a stratifying sampler distributes jointly
+//   void skip(n, active)      passes over n primary samples that no lane needs, so that later ones keep their
+//                             meaning; lanes outside a mask pass over its samples as well
+//   Uint dimension()          how far the path of each lane has come: samples asked for or skipped by it
 // and nothing else. Fixed point makes wrap-around exact and 1.0 impossible. The samplers are this file's
 // IndependentSampler, the path tracer's PixelSampler and the Metropolis chain's PrimarySampleVector.
 #pragma once
@@ -16,29 +18,54 @@
 namespace mlt {
 
 /// Mixin: the float forms over a sampler's own next_fixed().
-template <class Derived>
+template <class Derived, class F>
 class FloatSamples {
  public:
-  float next() { return unit_float(self().next_fixed()); }
-  Vec2 next_2d() {
-    const std::uint32_t first = self().next_fixed();
-    const std::uint32_t second = self().next_fixed();
-    return Vec2{unit_float(first), unit_float(second)};
+  MLT_INLINE F next(MaskOf<F> active = not_in(MaskOf<F>{})) { return unit_float(self().next_fixed(active)); }
+  MLT_INLINE Vec2Of<F> next_2d(MaskOf<F> active = not_in(MaskOf<F>{})) {
+    const UintOf<F> first = self().next_fixed(active);
+    const UintOf<F> second = self().next_fixed(active);
+    return Vec2Of<F>{unit_float(first), unit_float(second)};
   }
 
  private:
   Derived& self() { return static_cast<Derived&>(*this); }
 };
 
-/// Independent uniform samples from one stream; used by the bootstrap.
-class IndependentSampler : public FloatSamples<IndependentSampler> {
+/// How far the paths of all lanes have come.
+template <class F>
+class Progress {
  public:
-  explicit IndependentSampler(Rng rng) : rng_(rng) {}
-  std::uint32_t next_fixed() { return rng_.next_fixed(); }
-  void skip(std::uint32_t) {}
+  MLT_INLINE void restart() {
+    cursor_ = 0;
+    reached_ = UintOf<F>{};
+  }
+  /// Passes over samples and returns the index of the first.
+  MLT_INLINE std::uint32_t advance(std::uint32_t count, MaskOf<F> active) {
+    const std::uint32_t first = cursor_;
+    cursor_ += count;
+    reached_ = select(active, broadcast_bits<UintOf<F>>(cursor_), reached_);
+    return first;
+  }
+  std::uint32_t cursor() const { return cursor_; }
+  UintOf<F> reached() const { return reached_; }
 
  private:
-  Rng rng_;
+  std::uint32_t cursor_ = 0;
+  UintOf<F> reached_{};
 };
+
+/// Independent uniform samples from a stream for each lane; used by the bootstrap.
+template <class F>
+class IndependentSamplerOf : public FloatSamples<IndependentSamplerOf<F>, F> {
+ public:
+  explicit IndependentSamplerOf(const RngOf<F>& rng) : rng_(rng) {}
+  MLT_INLINE UintOf<F> next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) { return rng_.next_fixed(active); }
+  void skip(std::uint32_t, MaskOf<F> = not_in(MaskOf<F>{})) {}
+
+ private:
+  RngOf<F> rng_;
+};
+using IndependentSampler = IndependentSamplerOf<float>;
 
 }  // namespace mlt

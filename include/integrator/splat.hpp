@@ -8,9 +8,11 @@
 namespace mlt {
 
 /// A contribution to one pixel of the film.
-struct Splat {
-  std::uint32_t pixel = 0;  ///< y * width + x
-  Vec3 value{0, 0, 0};      ///< radiance estimate, linear RGB
+template <class F>
+struct SplatOf {
+  UintOf<F> pixel{};               ///< y * width + x
+  Vec3Of<F> value{F{}, F{}, F{}};  ///< radiance estimate, linear RGB
 };
+using Splat = SplatOf<float>;
 
 }  // namespace mlt

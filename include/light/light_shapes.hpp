@@ -21,136 +21,166 @@ namespace mlt {
 inline constexpr float kOffsetPerDistance = 0x1p-20f;
 
 /// numerator / denominator as a density, or 0 ("no sample") where that is no positive finite number.
-inline float density_or_zero(float numerator, float denominator) {
-  if (!(denominator > 0.0f)) return 0.0f;
-  const float pdf = numerator / denominator;
-  return pdf <= std::numeric_limits<float>::max() ? pdf : 0.0f;
+template <class F>
+MLT_INLINE F density_or_zero(F numerator, F denominator) {
+  const MaskOf<F> is_positive = denominator > 0.0f;
+  const F pdf = numerator / nonzero(is_positive, denominator);
+  return select(is_positive & (pdf <= std::numeric_limits<float>::max()), pdf, F{});
 }
 
 /// Density by solid angle of a point chosen uniformly on `area`, at squared distance and cosine on the light.
-inline float area_pdf_solid_angle(float area, float distance_squared, float cosine) {
-  return density_or_zero(distance_squared, std::fabs(cosine) * area);
+template <class F>
+MLT_INLINE F area_pdf_solid_angle(F area, F distance_squared, F cosine) {
+  return density_or_zero(distance_squared, magnitude(cosine) * area);
 }
 
 /// Density by solid angle within a cone, uniform.
-inline float cone_pdf_solid_angle(float one_minus_cos_max) {
-  return density_or_zero(1.0f, 2.0f * kPi * one_minus_cos_max);
+template <class F>
+MLT_INLINE F cone_pdf_solid_angle(F one_minus_cos_max) {
+  return density_or_zero(broadcast_to<F>(1.0f), 2.0f * kPi * one_minus_cos_max);
 }
 
 /// Completes a sample at `point` of a surface with this normal, uniform by area.
-inline LightSample area_sample(const Light& light, const Vec3& reference, const Vec3& point,
-                               const Vec3& normal) {
-  const Vec3 to_light = point - reference;
-  const float distance_squared = dot(to_light, to_light);
-  if (!(distance_squared > 0.0f)) return {};
-  const float distance = std::sqrt(distance_squared);
-  LightSample sample;
-  sample.direction = to_light * (1.0f / distance);
-  const float cosine = dot(normal, sample.direction);
-  const float offset = light.offset_bound + kOffsetPerDistance * distance;
-  sample.position = point + normal * (cosine < 0.0f ? offset : -offset);
-  sample.radiance = emitted_radiance(light, normal, sample.direction);
+template <class F>
+MLT_INLINE LightSampleOf<F> area_sample(const LightOf<F>& light, const Vec3Of<F>& reference,
+                                        const Vec3Of<F>& point, const Vec3Of<F>& normal) {
+  const Vec3Of<F> to_light = point - reference;
+  const F distance_squared = dot(to_light, to_light);
+  const MaskOf<F> is_apart = distance_squared > 0.0f;
+  const F distance = square_root(distance_squared);
+  LightSampleOf<F> sample;
+  sample.direction = to_light * (1.0f / nonzero(is_apart, distance));
+  const F cosine = dot(normal, sample.direction);
+  const F offset = light.offset_bound + kOffsetPerDistance * distance;
+  sample.position = point + normal * select(cosine < 0.0f, offset, -offset);
+  sample.radiance = emitted_radiance<F>(light, normal, sample.direction);
   sample.pdf_solid_angle = area_pdf_solid_angle(light.area, distance_squared, cosine);
-  return sample;
+  return select(is_apart, sample, LightSampleOf<F>{});
 }
 
-inline LightSample sample_polygon_light(const Light& light, const Vec3& reference, const Vec2& u) {
-  Vec2 along = u;
-  if (light.shape == LightShape::kTriangle) {
-    const Vec3 barycentric = uniform_triangle(u);
-    along = Vec2{barycentric.x, barycentric.y};
+template <class F>
+MLT_INLINE LightSampleOf<F> sample_polygon_light(const LightOf<F>& light, MaskOf<F> is_triangle,
+                                                 const Vec3Of<F>& reference, const Vec2Of<F>& u) {
+  Vec2Of<F> along = u;
+  if (any(is_triangle)) {
+    const Vec3Of<F> barycentric = uniform_triangle<F>(u);
+    along = Vec2Of<F>{select(is_triangle, barycentric.x, u.x), select(is_triangle, barycentric.y, u.y)};
   }
-  const Vec3 point = light.origin + (light.edge_u * along.x + light.edge_v * along.y);
-  return area_sample(light, reference, point, light.normal);
+  const Vec3Of<F> point = light.origin + (light.edge_u * along.x + light.edge_v * along.y);
+  return area_sample<F>(light, reference, point, light.normal);
 }
 
 /// What a sphere subtends from outside. `sin_squared` is in (0,1) for the half angle of the cone.
+template <class F>
 struct SphereCone {
-  Vec3 axis{0, 0, 1};  ///< unit, reference to centre
-  float distance = 0;  ///< reference to centre
-  float sin_squared = 0;
-  float one_minus_cos_max = 0;
+  Vec3Of<F> axis;  ///< unit, reference to centre
+  F distance;      ///< reference to centre
+  F sin_squared;
+  F one_minus_cos_max;
+  MaskOf<F> is_outside;  ///< elsewhere the rest is undefined
 };
 
-/// False when the reference point is not outside the sphere; the cone is then undefined.
-inline bool sphere_cone(const Light& light, const Vec3& reference, SphereCone& cone) {
-  const Vec3 to_center = light.origin - reference;
+template <class F>
+MLT_INLINE SphereCone<F> sphere_cone(const LightOf<F>& light, const Vec3Of<F>& reference) {
+  const Vec3Of<F> to_center = light.origin - reference;
+  SphereCone<F> cone;
   cone.distance = length(to_center);
-  if (!(cone.distance > light.radius)) return false;
-  cone.axis = to_center * (1.0f / cone.distance);
-  const float sine = light.radius / cone.distance;
-  cone.sin_squared = sine * sine;
+  cone.is_outside = cone.distance > light.radius;
+  const F distance = nonzero(cone.is_outside, cone.distance);
+  cone.axis = to_center * (1.0f / distance);
+  const F sine = light.radius / distance;
+  cone.sin_squared = select(cone.is_outside, sine * sine, F{});
   cone.one_minus_cos_max = one_minus_cos(cone.sin_squared);
-  return true;
+  return cone;
 }
 
 /// Uniform in the cone; the point is found from the angle that it has at the sphere's centre [Pharr23 section
 /// 6.2.4], which keeps it on the sphere where an intersection would lose all digits. All terms are formed
 /// from 1 - cos of the small angles.
-inline LightSample sample_sphere_cone(const Light& light, const SphereCone& cone, const Vec2& u) {
-  float sine_phi = 0, cosine_phi = 0;
+template <class F>
+MLT_INLINE LightSampleOf<F> sample_sphere_cone(const LightOf<F>& light, const SphereCone<F>& cone,
+                                               const Vec2Of<F>& u) {
+  F sine_phi{}, cosine_phi{};
   sincos_2pi(u.y, sine_phi, cosine_phi);
-  const float depth = u.x * cone.one_minus_cos_max;
-  const float sin_theta = std::sqrt(depth * (2.0f - depth));
-  const float cos_theta = 1.0f - depth;
+  const F depth = u.x * cone.one_minus_cos_max;
+  const F sin_theta = square_root(depth * (2.0f - depth));
+  const F cos_theta = 1.0f - depth;
   // (sin theta / sin theta_max)^2, without dividing two numbers that underflow for a far sphere.
-  const float sin_max = std::sqrt(cone.sin_squared);
-  const float cos_max = 1.0f - cone.one_minus_cos_max;
-  const float relative = u.x * (2.0f - depth) / (1.0f + cos_max);
-  const float relative_squared = relative < 1.0f ? relative : 1.0f;
-  const float rim = std::sqrt(1.0f - relative_squared);
-  const float cos_alpha = relative_squared * sin_max + cos_theta * rim;
-  const float sin_alpha = std::sqrt(relative_squared) * (cos_theta - sin_max * rim);
+  const F sin_max = square_root(cone.sin_squared);
+  const F cos_max = 1.0f - cone.one_minus_cos_max;
+  const F relative = u.x * (2.0f - depth) / (1.0f + cos_max);
+  const F relative_squared = select(relative < 1.0f, relative, broadcast_to<F>(1.0f));
+  const F rim = square_root(1.0f - relative_squared);
+  const F cos_alpha = relative_squared * sin_max + cos_theta * rim;
+  const F sin_alpha = square_root(relative_squared) * (cos_theta - sin_max * rim);
 
-  const Frame frame(cone.axis);
-  const Vec3 normal = frame.to_world(Vec3{sin_alpha * cosine_phi, sin_alpha * sine_phi, -cos_alpha});
-  const float offset = light.offset_bound + kOffsetPerDistance * cone.distance;
-  LightSample sample;
+  const FrameOf<F> frame(cone.axis);
+  const Vec3Of<F> normal =
+      frame.to_world(Vec3Of<F>{sin_alpha * cosine_phi, sin_alpha * sine_phi, -cos_alpha});
+  const F offset = light.offset_bound + kOffsetPerDistance * cone.distance;
+  LightSampleOf<F> sample;
   sample.position = light.origin + normal * (light.radius + offset);
-  sample.direction = frame.to_world(Vec3{sin_theta * cosine_phi, sin_theta * sine_phi, cos_theta});
+  sample.direction = frame.to_world(Vec3Of<F>{sin_theta * cosine_phi, sin_theta * sine_phi, cos_theta});
   sample.radiance = light.radiance;
   sample.pdf_solid_angle = cone_pdf_solid_angle(cone.one_minus_cos_max);
   return sample;
 }
 
-inline LightSample sample_sphere_light(const Light& light, const Vec3& reference, const Vec2& u) {
-  SphereCone cone;
-  if (sphere_cone(light, reference, cone)) return sample_sphere_cone(light, cone, u);
-  const Vec3 normal = uniform_sphere(u);
-  return area_sample(light, reference, light.origin + normal * light.radius, normal);
+template <class F>
+MLT_INLINE LightSampleOf<F> sample_sphere_light(const LightOf<F>& light, const Vec3Of<F>& reference,
+                                                const Vec2Of<F>& u, MaskOf<F> active) {
+  const SphereCone<F> cone = sphere_cone<F>(light, reference);
+  LightSampleOf<F> sample;
+  if (any(active & cone.is_outside)) sample = sample_sphere_cone<F>(light, cone, u);
+  if (any(active & not_in(cone.is_outside))) {
+    const Vec3Of<F> normal = uniform_sphere<F>(u);
+    const LightSampleOf<F> inside =
+        area_sample<F>(light, reference, light.origin + normal * light.radius, normal);
+    sample = select(cone.is_outside, sample, inside);
+  }
+  return sample;
 }
 
-inline LightSample sample_one_light(const Light& light, const Vec3& reference, const Vec2& u) {
-  switch (light.shape) {
-    case LightShape::kQuad:
-    case LightShape::kTriangle:
-      return sample_polygon_light(light, reference, u);
-    case LightShape::kSphere:
-      return sample_sphere_light(light, reference, u);
+/// Nothing is known of lanes outside `active`.
+template <class F = float>
+MLT_INLINE LightSampleOf<F> sample_one_light(const std::type_identity_t<LightRefOf<F>>& light,
+                                             const Vec3Of<F>& reference, const Vec2Of<F>& u,
+                                             MaskOf<F> active = not_in(MaskOf<F>{})) {
+  LightSampleOf<F> sample;
+  const MaskOf<F> is_sphere = light.is(LightShape::kSphere);
+  if (any(active & not_in(is_sphere))) {
+    sample = sample_polygon_light<F>(light.load(), light.is(LightShape::kTriangle), reference, u);
   }
-  return {};
+  if (const MaskOf<F> mask = active & is_sphere; any(mask)) {
+    sample = select(mask, sample_sphere_light<F>(light.load(), reference, u, mask), sample);
+  }
+  return sample;
 }
 
-/// The density of sample_one_light at `position`, which lies on the light in the unit direction wi.
-inline float one_light_pdf_solid_angle(const Light& light, const Vec3& reference, const Vec3& position,
-                                       const Vec3& wi) {
-  const Vec3 to_light = position - reference;
-  const float distance_squared = dot(to_light, to_light);
-  switch (light.shape) {
-    case LightShape::kQuad:
-    case LightShape::kTriangle:
-      return area_pdf_solid_angle(light.area, distance_squared, dot(light.normal, wi));
-    case LightShape::kSphere: {
-      SphereCone cone;
-      if (sphere_cone(light, reference, cone)) {
-        return cone_pdf_solid_angle(cone.one_minus_cos_max);
-      }
-      // The cosine is this product over the radius, which may be 0 for a light that is never chosen.
-      const float cosine_radius = std::fabs(dot(position - light.origin, wi));
-      return density_or_zero(distance_squared * light.radius, cosine_radius * light.area);
-    }
+/// The density of sample_one_light at `position`, which lies on the light in the unit direction wi. Nothing
+/// is known of lanes outside `active`.
+template <class F = float>
+MLT_INLINE F one_light_pdf_solid_angle(const std::type_identity_t<LightRefOf<F>>& light_ref,
+                                       const Vec3Of<F>& reference, const Vec3Of<F>& position,
+                                       const Vec3Of<F>& wi, MaskOf<F> active = not_in(MaskOf<F>{})) {
+  const Vec3Of<F> to_light = position - reference;
+  const F distance_squared = dot(to_light, to_light);
+  const MaskOf<F> is_sphere = light_ref.is(LightShape::kSphere);
+  F pdf{};
+  if (any(active & not_in(is_sphere))) {
+    const LightOf<F> light = light_ref.load();
+    pdf = area_pdf_solid_angle(light.area, distance_squared, dot(light.normal, wi));
   }
-  return 0;
+  if (const MaskOf<F> mask = active & is_sphere; any(mask)) {
+    const LightOf<F> light = light_ref.load();
+    const SphereCone<F> cone = sphere_cone<F>(light, reference);
+    // The cosine is this product over the radius, which may be 0 for a light that is never chosen.
+    const F cosine_radius = magnitude(dot(position - light.origin, wi));
+    const F inside = density_or_zero(distance_squared * light.radius, cosine_radius * light.area);
+    const F seen = select(cone.is_outside, cone_pdf_solid_angle(cone.one_minus_cos_max), inside);
+    pdf = select(mask, seen, pdf);
+  }
+  return pdf;
 }
 
 }  // namespace mlt

@@ -48,25 +48,44 @@ inline std::uint32_t choose_light(std::span<const float> cdf, float u) {
 }
 
 /// Chooses a light by u_choice (read only if kManyLights; otherwise the table holds at most one light) and a
-/// point on it by u, all in [0,1). A density of 0 means: no sample.
-template <bool kManyLights>
-inline LightSample sample_light(const LightTable& table, const Vec3& reference, float u_choice,
-                                const Vec2& u) {
-  const std::uint32_t index = kManyLights ? choose_light(table.cdf, u_choice) : 0;
-  if (index >= table.lights.size()) return {};
-  const Light& light = table.lights[index];
-  LightSample sample = sample_one_light(light, reference, u);
-  sample.pdf_solid_angle *= light.choice_probability;
-  sample.light = index;
-  return sample;
+/// point on it by u, all in [0,1). A density of 0 means: no sample. Nothing is known of lanes outside
+/// `active`.
+template <bool kManyLights, class F = float>
+MLT_NOINLINE LightSampleOf<F> sample_light(const LightTable& table, const Vec3Of<F>& reference,
+                                           const std::type_identity_t<F>& u_choice, const Vec2Of<F>& u,
+                                           const MaskOf<F>& active = not_in(MaskOf<F>{})) {
+  if (table.lights.empty()) return {};
+  if constexpr (kManyLights) {
+    UintOf<F> index{};
+    for_lanes(active,
+              [&](int lane) { set_lane_of(index, lane, choose_light(table.cdf, lane_of(u_choice, lane))); });
+    const auto count = static_cast<std::uint32_t>(table.lights.size());
+    // No light is chosen where none has power.
+    const MaskOf<F> is_chosen = index < count;
+    index = select(is_chosen, index, UintOf<F>{});
+    const LightRefOf<F> light(table.lights.data(), index);
+    LightSampleOf<F> sample = sample_one_light<F>(light, reference, u, active);
+    sample.pdf_solid_angle *= light.load().choice_probability;
+    sample.light = index;
+    return select(is_chosen, sample, LightSampleOf<F>{});
+  } else {
+    const LightRefOf<F> light(table.lights[0]);
+    LightSampleOf<F> sample = sample_one_light<F>(light, reference, u, active);
+    sample.pdf_solid_angle *= light.load().choice_probability;
+    sample.light = UintOf<F>{};
+    return sample;
+  }
 }
 
 /// The density by solid angle with which sample_light from `reference` produces `position`, a point of light
 /// number `light` in the unit direction wi; 0 where it cannot.
-inline float light_pdf_solid_angle(const LightTable& table, std::uint32_t light, const Vec3& reference,
-                                   const Vec3& position, const Vec3& wi) {
-  const Light& chosen = table.lights[light];
-  return one_light_pdf_solid_angle(chosen, reference, position, wi) * chosen.choice_probability;
+template <class F = float>
+MLT_NOINLINE F light_pdf_solid_angle(const LightTable& table, const UintOf<F>& light,
+                                     const Vec3Of<F>& reference, const Vec3Of<F>& position,
+                                     const Vec3Of<F>& wi, const MaskOf<F>& active = not_in(MaskOf<F>{})) {
+  const LightRefOf<F> chosen(table.lights.data(), light);
+  return one_light_pdf_solid_angle<F>(chosen, reference, position, wi, active) *
+         chosen.load().choice_probability;
 }
 
 }  // namespace mlt

@@ -68,32 +68,44 @@ constexpr std::uint64_t bootstrap_chunk_size(std::uint64_t paths, std::uint64_t 
 }
 
 /// Calls visit(path index, target) for each path of a chunk, in order. The replay context's step is the
-/// path's index, so that a path that fails can be told also when a chain's search for its start evaluates it.
+/// first path's index of those that are evaluated together, so that a path that fails can be told also when a
+/// chain's search for its start evaluates it.
 template <class Integrator, class Visit>
 void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std::uint64_t chunk_index,
-                           std::uint64_t paths, Contribution& contribution, DefectCounts& defects,
+                           std::uint64_t paths, std::span<Splat> splats, DefectCounts& defects,
                            Visit&& visit) {
+  using F = typename Integrator::Float;
   const std::uint64_t first = chunk_index * kBootstrapChunk;
   const std::uint64_t last = first + bootstrap_chunk_size(paths, chunk_index);
+  Contributions<F> contributions(splats);
   ReplayContext& context = replay_context();
   context.seed = seed;
   context.unit = chunk_index;
-  for (std::uint64_t index = first; index < last; ++index) {
+  for (std::uint64_t index = first; index < last; index += kLaneCount<F>) {
     context.step = index;
-    IndependentSampler sampler(bootstrap_stream(seed, index));
-    evaluate_into(integrator, sampler, contribution, defects);
-    visit(index, contribution.target());
+    const MaskOf<F> active = first_lanes<F>(last - index);
+    RngOf<F> streams;
+    for_lanes(active, [&](int lane) {
+      streams.set_lane(lane, bootstrap_stream(seed, index + static_cast<std::uint64_t>(lane)));
+    });
+    IndependentSamplerOf<F> sampler(streams);
+    evaluate_into(
+        integrator, sampler, active, [&](int lane) -> Contribution& { return contributions.lane[lane]; },
+        [&](int) -> DefectCounts& { return defects; });
+    for_lanes(active, [&](int lane) {
+      visit(index + static_cast<std::uint64_t>(lane), contributions.lane[lane].target());
+    });
   }
 }
 
 /// Adds the paths' defects to `defects`, of which each worker has one: there are too many chunks to keep
-/// theirs.
+/// theirs. `splats` has room for those of as many paths as the integrator has lanes.
 template <class Integrator>
 BootstrapChunk evaluate_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed,
                                         std::uint64_t chunk_index, std::uint64_t paths,
-                                        Contribution& contribution, DefectCounts& defects) {
+                                        std::span<Splat> splats, DefectCounts& defects) {
   BootstrapChunk chunk;
-  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, defects,
+  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, splats, defects,
                         [&chunk](std::uint64_t, float target) {
                           const double value = target;
                           chunk.sum += value;
@@ -117,14 +129,14 @@ double seed_position(std::uint64_t seed, std::uint64_t round, std::uint64_t chai
 /// Replays a chunk to find the path at `position`. The replay must reproduce the chunk's sum bit for bit.
 template <class Integrator>
 SeedPath find_seed_path(const Integrator& integrator, std::uint64_t seed, std::uint64_t paths,
-                        std::span<const BootstrapChunk> chunks, double position, Contribution& contribution) {
+                        std::span<const BootstrapChunk> chunks, double position, std::span<Splat> splats) {
   const std::uint64_t chunk_index = find_bootstrap_chunk(chunks, position);
   const BootstrapChunk& chunk = chunks[chunk_index];
   SeedPath found;
   bool passed = false;
   double sum = 0;
   DefectCounts ignored;
-  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, contribution, ignored,
+  visit_bootstrap_chunk(integrator, seed, chunk_index, paths, splats, ignored,
                         [&](std::uint64_t index, float target) {
                           sum += static_cast<double>(target);
                           // Rounding may leave the position just behind the last path: then that one is

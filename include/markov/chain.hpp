@@ -22,22 +22,29 @@ namespace mlt {
 
 struct ChainSettings {
   std::uint64_t seed = 0;
-  std::uint64_t chain_index = 0;
-  std::uint64_t mutations = 0;
   float large_step = 0.2f;  ///< probability in [0,1]
   float weight_b = 0;       ///< w above: the frozen b of the weights, > 0
   FillSteps fill_steps = nullptr;
   float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
-  std::uint64_t first_time = 1;
+  std::uint32_t first_time = 1;
 };
 
-/// Storage of one worker, reused for each chain it runs.
-struct ChainWorkspace {
-  std::span<PrimarySample> samples;
-  std::span<SavedSample> saved;
+/// What one chain of a group has to do.
+struct ChainTask {
+  std::uint64_t chain_index = 0;
+  std::uint64_t mutations = 0;
+  SeedPath start;
+};
+
+/// Storage of one worker, reused for each group of chains it runs; splats for one state of all its chains.
+template <class F>
+struct ChainWorkspaceOf {
+  std::span<PrimarySampleOf<F>> samples;
+  std::span<SavedSampleOf<F>> saved;
   std::span<Splat> current;
   std::span<Splat> proposed;
 };
+using ChainWorkspace = ChainWorkspaceOf<float>;
 
 struct ChainStatistics {
   LuminanceMoments large_steps;  ///< uniform samples, which join the estimate of b
@@ -52,116 +59,184 @@ struct ChainStatistics {
   void add(const ChainStatistics& other);
 };
 
-/// A state with the weights that it has gathered while it was current, splatted once when it is left.
-struct ChainState {
-  Contribution contribution;
-  double metropolis_weight = 0;  ///< expected-value weights
-  double uniform_weight = 0;     ///< 1 when it was a large step's proposal
-};
-
-/// Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I + p w).
+/// As many chains as the integrator has lanes, mutation by mutation; each is the chain that it would be
+/// alone. Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I +
+/// p w).
 template <class Integrator, class Film>
-class Chain {
+class ChainGroup {
+  using F = typename Integrator::Float;
+  using M = MaskOf<F>;
+  static constexpr int kCount = kLaneCount<F>;
+
  public:
-  Chain(const Integrator& integrator, const ChainSettings& settings, const ChainWorkspace& workspace,
-        Film& film)
+  /// `films` has one for each task.
+  ChainGroup(const Integrator& integrator, const ChainSettings& settings,
+             const ChainWorkspaceOf<F>& workspace, std::span<const ChainTask> tasks, std::span<Film> films)
       : integrator_(integrator),
         settings_(settings),
-        film_(film),
-        samples_(workspace.samples, workspace.saved,
-                 Rng(settings.seed, StreamPurpose::kChain, settings.chain_index),
-                 StepSource(BlockRng(settings.seed, StreamPurpose::kSteps, settings.chain_index),
-                            settings.fill_steps, settings.step_size),
+        tasks_(tasks),
+        films_(films),
+        samples_(workspace.samples, workspace.saved, settings.fill_steps, settings.step_size,
                  settings.first_time),
-        current_{Contribution(workspace.current)},
-        proposed_{Contribution(workspace.proposed)} {}
+        states_{Contributions<F>(workspace.current), Contributions<F>(workspace.proposed)} {
+    MLT_CHECK_OP(tasks.size(), <=, std::size_t{kCount});
+    MLT_CHECK_OP(films.size(), ==, tasks.size());
+  }
 
-  /// Replays the start, makes all mutations and returns what was counted.
-  ChainStatistics run(const SeedPath& start) {
+  /// Replays the starts, makes all mutations and adds what was counted to `statistics`, one for each task.
+  void run(std::span<ChainStatistics> statistics) {
+    statistics_ = statistics;
+    begin();
+    std::uint64_t longest = 0;
+    for (const ChainTask& task : tasks_) longest = task.mutations > longest ? task.mutations : longest;
+    MLT_CHECK_OP(longest, <, std::uint64_t{~std::uint32_t{0}} - settings_.first_time);
     ReplayContext& context = replay_context();
-    context.seed = settings_.seed;
-    context.unit = settings_.chain_index;
-    context.step = 0;
-    samples_.begin_initial(bootstrap_stream(settings_.seed, start.index));
-    DefectCounts counted_by_the_bootstrap;
-    evaluate_into(integrator_, samples_, current_.contribution, counted_by_the_bootstrap);
-    samples_.end_initial();
-    MLT_CHECK_OP(current_.contribution.target(), ==, start.target);
-    for (std::uint64_t step = 1; step <= settings_.mutations; ++step) {
+    std::uint64_t unchanged_until = 0;
+    M active{};
+    for (std::uint64_t step = 1; step <= longest; ++step) {
       context.step = step;
-      mutate();
+      if (step > unchanged_until) active = chains_at(step, unchanged_until);
+      mutate(active);
     }
-    flush(current_);
-    statistics_.mutations = settings_.mutations;
-    return statistics_;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      flush(static_cast<int>(i), current_[i]);
+      statistics_[i].mutations += tasks_[i].mutations;
+    }
   }
 
  private:
-  void mutate() {
-    const bool large_step = happens(samples_.rng(), settings_.large_step);
-    samples_.begin_proposal(large_step);
-    evaluate_into(integrator_, samples_, proposed_.contribution, statistics_.defects);
-    statistics_.primary_samples += samples_.dimension();
+  /// A state with the weights that it has gathered while it was current, splatted once when it is left.
+  struct State {
+    Contribution* contribution = nullptr;
+    double metropolis_weight = 0;  ///< expected-value weights
+    double uniform_weight = 0;     ///< 1 when it was a large step's proposal
+    std::uint64_t rejection_run = 0;
+  };
 
-    // The current target is positive from the start on, for only a positive proposal is ever accepted.
-    const float ratio = proposed_.contribution.target() / current_.contribution.target();
-    const float acceptance = ratio < 1.0f ? ratio : 1.0f;
-    count(large_step, acceptance);
-    proposed_.metropolis_weight = acceptance;
-    proposed_.uniform_weight = large_step ? 1.0 : 0.0;
-    current_.metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
-    if (happens(samples_.rng(), acceptance)) {
-      samples_.accept();
-      flush(current_);
-      swap_states();
-      rejection_run_ = 0;
-    } else {
-      samples_.reject();
-      flush(proposed_);
-      rejection_run_ += 1;
-      if (rejection_run_ > statistics_.longest_rejection_run)
-        statistics_.longest_rejection_run = rejection_run_;
+  /// The chains that make mutation `step`, and the last mutation that the same chains make.
+  M chains_at(std::uint64_t step, std::uint64_t& unchanged_until) const {
+    M active{};
+    unchanged_until = ~std::uint64_t{0};
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const std::uint64_t last = tasks_[i].mutations;
+      if (step > last) continue;
+      set_lane_of(active, static_cast<int>(i), kLaneTrue<F>);
+      if (last < unchanged_until) unchanged_until = last;
+    }
+    return active;
+  }
+
+  ChainStatistics& statistics_of(int lane) { return statistics_[static_cast<std::size_t>(lane)]; }
+
+  /// Replays the paths that the chains start from.
+  void begin() {
+    ReplayContext& context = replay_context();
+    context.seed = settings_.seed;
+    context.unit = tasks_.empty() ? 0 : tasks_[0].chain_index;
+    context.step = 0;
+    RngOf<F> starts;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const int lane = static_cast<int>(i);
+      const std::uint64_t index = tasks_[i].chain_index;
+      samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index),
+                        BlockRng(settings_.seed, StreamPurpose::kSteps, index));
+      starts.set_lane(lane, bootstrap_stream(settings_.seed, tasks_[i].start.index));
+    }
+    samples_.begin_initial(starts);
+    DefectCounts counted_by_the_bootstrap;
+    evaluate_into(
+        integrator_, samples_, first_lanes<F>(tasks_.size()),
+        [this](int lane) -> Contribution& { return states_[0].lane[lane]; },
+        [&](int) -> DefectCounts& { return counted_by_the_bootstrap; });
+    samples_.end_initial();
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      current_[i].contribution = &states_[0].lane[i];
+      proposed_[i].contribution = &states_[1].lane[i];
+      MLT_CHECK_OP(current_[i].contribution->target(), ==, tasks_[i].start.target);
     }
   }
 
-  void count(bool large_step, float acceptance) {
+  void mutate(M active) {
+    const M large_step = happens(samples_.rng(), broadcast_to<F>(settings_.large_step), active);
+    samples_.begin_proposal(large_step);
+    evaluate_into(
+        integrator_, samples_, active,
+        [this](int lane) -> Contribution& { return *proposed_[lane].contribution; },
+        [this](int lane) -> DefectCounts& { return statistics_of(lane).defects; });
+    const UintOf<F> dimensions = samples_.dimension();
+    F acceptances{};
+    for_lanes(active, [&](int lane) {
+      set_lane_of(acceptances, lane, weigh(lane, lane_of(large_step, lane) != 0));
+      statistics_of(lane).primary_samples += lane_of(dimensions, lane);
+    });
+    const M accepted = active & happens(samples_.rng(), acceptances, active);
+    samples_.accept(accepted);
+    samples_.reject(not_in(accepted));
+    for_lanes(active, [&](int lane) { decide(lane, lane_of(accepted, lane) != 0); });
+  }
+
+  /// The probability of accepting a lane's proposal, which both states' weights count.
+  float weigh(int lane, bool large_step) {
+    State& current = current_[lane];
+    State& proposed = proposed_[lane];
+    // The current target is positive from the start on, for only a positive proposal is ever accepted.
+    const float ratio = proposed.contribution->target() / current.contribution->target();
+    const float acceptance = ratio < 1.0f ? ratio : 1.0f;
+    ChainStatistics& statistics = statistics_of(lane);
     if (large_step) {
-      statistics_.large_steps.add(proposed_.contribution.target());
-      statistics_.acceptance_large += acceptance;
+      statistics.large_steps.add(proposed.contribution->target());
+      statistics.acceptance_large += acceptance;
     } else {
-      statistics_.acceptance_small += acceptance;
-      statistics_.small_steps += 1;
+      statistics.acceptance_small += acceptance;
+      statistics.small_steps += 1;
+    }
+    proposed.metropolis_weight = acceptance;
+    proposed.uniform_weight = large_step ? 1.0 : 0.0;
+    current.metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
+    return acceptance;
+  }
+
+  void decide(int lane, bool accepted) {
+    State& current = current_[lane];
+    State& proposed = proposed_[lane];
+    if (accepted) {
+      flush(lane, current);
+      const State left = current;
+      current = proposed;
+      proposed = left;
+      current.rejection_run = 0;
+    } else {
+      flush(lane, proposed);
+      current.rejection_run += 1;
+      std::uint64_t& longest = statistics_of(lane).longest_rejection_run;
+      if (current.rejection_run > longest) longest = current.rejection_run;
     }
   }
 
   /// The one place where a chain splats: rejected proposals, states that are left, and the last state alike.
-  void flush(ChainState& state) {
+  void flush(int lane, State& state) {
     const double metropolis_weight = state.metropolis_weight;
     const double uniform_weight = state.uniform_weight;
     state.metropolis_weight = 0;
     state.uniform_weight = 0;
     if (metropolis_weight == 0.0 && uniform_weight == 0.0) return;
-    if (state.contribution.splats().empty()) return;
-    const float scale = 1.0f / (state.contribution.target() + settings_.large_step * settings_.weight_b);
-    for (const Splat& splat : state.contribution.splats()) {
-      film_.splat(splat.pixel, splat.value * scale, metropolis_weight, uniform_weight);
+    if (state.contribution->splats().empty()) return;
+    const float scale = 1.0f / (state.contribution->target() + settings_.large_step * settings_.weight_b);
+    for (const Splat& splat : state.contribution->splats()) {
+      films_[static_cast<std::size_t>(lane)].splat(splat.pixel, splat.value * scale, metropolis_weight,
+                                                   uniform_weight);
     }
-  }
-
-  void swap_states() {
-    const ChainState left = current_;
-    current_ = proposed_;
-    proposed_ = left;
   }
 
   const Integrator& integrator_;
   ChainSettings settings_;
-  Film& film_;
-  PrimarySampleVector samples_;
-  ChainState current_;
-  ChainState proposed_;
-  ChainStatistics statistics_;
-  std::uint64_t rejection_run_ = 0;
+  std::span<const ChainTask> tasks_;
+  std::span<Film> films_;
+  PrimarySampleVectorOf<F> samples_;
+  Contributions<F> states_[2];
+  State current_[kCount];
+  State proposed_[kCount];
+  std::span<ChainStatistics> statistics_;
 };
 
 }  // namespace mlt

@@ -88,13 +88,36 @@ class Contribution {
   float target_ = 0;
 };
 
-/// Evaluates one vector of primary samples into `contribution`.
-template <class Integrator, class Sampler>
-void evaluate_into(const Integrator& integrator, Sampler& sampler, Contribution& contribution,
-                   DefectCounts& defects) {
-  contribution.clear();
-  integrator.evaluate(sampler, [&contribution](const Splat& splat) { contribution.add(splat); });
-  contribution.finish(defects);
+/// The contributions of as many vectors as F has lanes.
+template <class F>
+struct Contributions {
+  static constexpr int kCount = kLaneCount<F>;
+  Contribution lane[kCount];
+
+  /// Storage of an equal part for each lane.
+  explicit Contributions(std::span<Splat> storage) {
+    const std::size_t part = storage.size() / kCount;
+    for (std::size_t i = 0; i < kCount; ++i) lane[i] = Contribution(storage.subspan(i * part, part));
+  }
+};
+
+/// Evaluates the vectors of primary samples of the lanes of `active` into contribution_of(lane);
+/// defects_of(lane) counts defects.
+template <class Integrator, class Sampler, class ContributionOf, class DefectsOf>
+MLT_INLINE void evaluate_into(const Integrator& integrator, Sampler& sampler,
+                              MaskOf<typename Integrator::Float> active, ContributionOf&& contribution_of,
+                              DefectsOf&& defects_of) {
+  using F = typename Integrator::Float;
+  for_lanes(active, [&](int lane) { contribution_of(lane).clear(); });
+  integrator.evaluate(
+      sampler,
+      [&](const SplatOf<F>& splat, MaskOf<F> lanes = not_in(MaskOf<F>{})) {
+        for_lanes(lanes, [&](int lane) {
+          contribution_of(lane).add(Splat{lane_of(splat.pixel, lane), lane_of(splat.value, lane)});
+        });
+      },
+      active);
+  for_lanes(active, [&](int lane) { contribution_of(lane).finish(defects_of(lane)); });
 }
 
 }  // namespace mlt

@@ -1,7 +1,8 @@
 // The state of a Metropolis chain: a lazily mutated vector of primary samples [Kelemen02]. Each
 // sample carries the time of its last change; a small step brings a sample up to date only when a path asks
 // for it, one mutation for each accepted step that it missed, so that its distribution is the same as if it
-// had been mutated every time. Rejected proposals are undone from a stack of fixed capacity.
+// had been mutated every time. Rejected proposals are undone from a stack of fixed capacity. As many chains
+// as F has lanes ask for their samples together, each with streams of its own.
 #pragma once
 
 #include <cstdint>
@@ -10,155 +11,200 @@
 #include "base/assert.hpp"
 #include "integrator/sampler.hpp"
 #include "markov/mutation.hpp"
+#include "math/gather.hpp"
 #include "math/rng.hpp"
 
 namespace mlt {
 
-struct PrimarySample {
-  std::uint64_t time = 0;   ///< accepted step of the last change; 0: never set
-  std::uint32_t value = 0;  ///< 32-bit fixed point in [0,1)
+/// The samples of one dimension, in all chains of a group.
+template <class F>
+struct PrimarySampleOf {
+  UintOf<F> time{};   ///< accepted step of the last change; 0: never set
+  UintOf<F> value{};  ///< 32-bit fixed point in [0,1)
 };
 
 /// What a proposal overwrote.
-struct SavedSample {
-  std::uint64_t time = 0;
-  std::uint32_t value = 0;
+template <class F>
+struct SavedSampleOf {
+  PrimarySampleOf<F> sample;
   std::uint32_t index = 0;
 };
 
-/// Steps in stock. Their order of use is the order of the generator's numbers.
+/// Steps in stock. Their order of use is the order of each generator's numbers.
+template <class F>
 class StepSource {
- public:
-  StepSource(BlockRng rng, FillSteps fill, float step_size) : rng_(rng), fill_(fill), step_size_(step_size) {}
+  using U = UintOf<F>;
 
-  bool empty() const { return used_ == kStock; }
-  /// Must not be empty.
-  std::uint32_t take() { return steps_[used_++]; }
-  std::uint32_t next() {
-    if (empty()) refill();
-    return take();
+ public:
+  StepSource(FillSteps fill, float step_size) : fill_(fill), step_size_(step_size) {
+    for (int lane = 0; lane < kLaneCount<F>; ++lane)
+      set_lane_of(first_, lane, static_cast<std::uint32_t>(lane) * kStock * kStepBytes);
+  }
+  void set_lane(int lane, const BlockRng& rng) {
+    rng_[lane] = rng;
+    set_lane_of(used_, lane, kStock * kStepBytes);
+  }
+
+  /// The next step of each lane of `active`.
+  MLT_INLINE U take(MaskOf<F> active) {
+    for_lanes(MaskOf<F>(active & (used_ == kStock * kStepBytes)), [&](int lane) { refill(lane); });
+    // Lanes without stock, none of them active, read their first step.
+    const U place = select(used_ == kStock * kStepBytes, U{}, used_);
+    used_ += mask_bits(active) & kStepBytes;
+    return gather_bytes<F>(stock_[0], first_ + place);
+  }
+  /// The next step of one lane.
+  std::uint32_t take_one(int lane) {
+    if (lane_of(used_, lane) == kStock * kStepBytes) refill(lane);
+    const std::uint32_t place = lane_of(used_, lane) / kStepBytes;
+    set_lane_of(used_, lane, (place + 1) * kStepBytes);
+    return stock_[lane][place];
   }
 
  private:
   static constexpr std::uint32_t kStock = 4 * kBlockDraws;
+  static constexpr std::uint32_t kStepBytes = sizeof(std::uint32_t);
 
-  void refill() {
+  [[gnu::noinline]] void refill(int lane) {
     for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) {
-      fill_(rng_, steps_ + first, step_size_);
+      fill_(rng_[lane], stock_[lane] + first, step_size_);
     }
-    used_ = 0;
+    set_lane_of(used_, lane, 0U);
   }
 
-  alignas(16) std::uint32_t steps_[kStock];
-  BlockRng rng_;
+  alignas(64) std::uint32_t stock_[kLaneCount<F>][kStock] = {};
+  U used_ = broadcast_bits<U>(kStock * kStepBytes);  ///< bytes
+  U first_{};                                        ///< where each lane's stock begins, in bytes
+  BlockRng rng_[kLaneCount<F>];
   FillSteps fill_;
   float step_size_;
-  std::uint32_t used_ = kStock;
 };
 
-class PrimarySampleVector : public FloatSamples<PrimarySampleVector> {
+template <class F>
+class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
+  using U = UintOf<F>;
+  using M = MaskOf<F>;
+
  public:
   /// Both spans have the capacity that the integrator states; their contents are overwritten. `first_time`
-  /// is where time starts (at least 1).
-  PrimarySampleVector(std::span<PrimarySample> samples, std::span<SavedSample> saved, Rng rng,
-                      const StepSource& steps, std::uint64_t first_time = 1)
+  /// is where time starts (at least 1); it must not pass 2^32 - 1.
+  PrimarySampleVectorOf(std::span<PrimarySampleOf<F>> samples, std::span<SavedSampleOf<F>> saved,
+                        FillSteps fill, float step_size, std::uint32_t first_time = 1)
       : samples_(samples),
         saved_(saved),
-        rng_(rng),
-        steps_(steps),
-        time_(first_time),
-        large_step_time_(first_time) {
+        steps_(fill, step_size),
+        time_(broadcast_bits<U>(first_time)),
+        large_step_time_(broadcast_bits<U>(first_time)) {
     MLT_CHECK_OP(samples.size(), ==, saved.size());
     MLT_CHECK_OP(first_time, >=, 1U);
-    for (PrimarySample& sample : samples_) sample = PrimarySample{};
+    for (PrimarySampleOf<F>& sample : samples_) sample = PrimarySampleOf<F>{};
+  }
+
+  /// The streams of one lane's chain.
+  void set_lane(int lane, const Rng& rng, const BlockRng& steps) {
+    rng_.set_lane(lane, rng);
+    steps_.set_lane(lane, steps);
   }
 
   /// Draws the first state's samples from `source`, in the order in which the path asks for them, exactly as
   /// IndependentSampler would.
-  void begin_initial(Rng source) {
+  void begin_initial(const RngOf<F>& source) {
     initial_ = source;
-    mode_ = Mode::kInitial;
-    cursor_ = 0;
+    is_initial_ = true;
+    progress_.restart();
     saved_count_ = 0;
-    current_time_ = kNever;
   }
-  void end_initial() { mode_ = Mode::kSmall; }
+  void end_initial() { is_initial_ = false; }
 
-  void begin_proposal(bool large_step) {
-    mode_ = large_step ? Mode::kLarge : Mode::kSmall;
-    cursor_ = 0;
+  /// `large_step` in the lanes that make one; the others make a small step.
+  void begin_proposal(M large_step) {
+    large_step_ = large_step;
+    progress_.restart();
     saved_count_ = 0;
-    current_time_ = large_step ? kNever : time_;
-    time_ += 1;
+    current_time_ = select(large_step, broadcast_bits<U>(kNever), time_);
+    time_ += 1U;
   }
 
-  std::uint32_t next_fixed() {
-    MLT_CHECK_OP(cursor_, <, samples_.size());
-    const std::uint32_t index = cursor_++;
-    PrimarySample& sample = samples_[index];
-    // Most often: a small step of a sample that is up to date.
-    if (sample.time != current_time_ || steps_.empty()) [[unlikely]]
-      return propose(sample, index);
-    saved_[saved_count_++] = SavedSample{sample.time, sample.value, index};
-    sample.time = time_;
-    return sample.value += steps_.take();
-  }
-
-  void skip(std::uint32_t count) { cursor_ += count; }
-
-  /// How far the path has come: primary samples asked for or skipped since the proposal began.
-  std::uint32_t dimension() const { return cursor_; }
-
-  void accept() {
-    if (mode_ == Mode::kLarge) large_step_time_ = time_;
-  }
-
-  void reject() {
-    while (saved_count_ > 0) {
-      const SavedSample& saved = saved_[--saved_count_];
-      samples_[saved.index] = PrimarySample{saved.time, saved.value};
+  MLT_INLINE U next_fixed(M active = not_in(M{})) {
+    const std::uint32_t index = progress_.advance(1, active);
+    MLT_CHECK_OP(index, <, samples_.size());
+    PrimarySampleOf<F>& sample = samples_[index];
+    if (is_initial_) [[unlikely]]
+      return draw_initial(sample, active);
+    // Most often: small steps of samples that are up to date.
+    const M small_step = active & not_in(large_step_);
+    if (const M late = small_step & (sample.time != current_time_); any(late)) [[unlikely]]
+      for_lanes(late, [&](int lane) { catch_up(sample, lane); });
+    saved_[saved_count_++] = SavedSampleOf<F>{sample, index};
+    U value = sample.value + steps_.take(small_step);
+    if (any(active & large_step_)) {
+      value = select(large_step_, rng_.next_fixed(active & large_step_), value);
     }
-    time_ -= 1;
+    sample.time = select(active, time_, sample.time);
+    sample.value = select(active, value, sample.value);
+    return value;
   }
 
-  Rng& rng() { return rng_; }
+  void skip(std::uint32_t count, M active = not_in(M{})) { progress_.advance(count, active); }
+
+  /// How far the paths have come since the proposal began.
+  U dimension() const { return progress_.reached(); }
+
+  void accept(M accepted = not_in(M{})) {
+    large_step_time_ = select(accepted & large_step_, time_, large_step_time_);
+  }
+
+  void reject(M rejected = not_in(M{})) {
+    for (std::uint32_t i = 0; i < saved_count_; ++i) {
+      const SavedSampleOf<F>& saved = saved_[i];
+      PrimarySampleOf<F>& sample = samples_[saved.index];
+      sample.time = select(rejected, saved.sample.time, sample.time);
+      sample.value = select(rejected, saved.sample.value, sample.value);
+    }
+    time_ -= mask_bits(rejected) & 1U;
+  }
+
+  RngOf<F>& rng() { return rng_; }
 
  private:
-  enum class Mode : std::uint8_t { kInitial, kLarge, kSmall };
+  static constexpr std::uint32_t kNever = ~std::uint32_t{0};
 
-  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+  [[gnu::noinline]] U draw_initial(PrimarySampleOf<F>& sample, M active) {
+    const U value = initial_.next_fixed(active);
+    sample.time = select(active, time_, sample.time);
+    sample.value = select(active, value, sample.value);
+    return value;
+  }
 
-  [[gnu::noinline]] std::uint32_t propose(PrimarySample& sample, std::uint32_t index) {
-    if (mode_ == Mode::kInitial) {
-      sample = PrimarySample{time_, initial_.next_fixed()};
-      return sample.value;
+  /// Brings a lane's sample to the current state, one step before the proposal. A sample older than the last
+  /// large step, or never asked for, is uniform and independent of all others, and the steps that it missed
+  /// since would leave it so: it is drawn as of now.
+  [[gnu::noinline]] void catch_up(PrimarySampleOf<F>& sample, int lane) {
+    const std::uint32_t now = lane_of(time_, lane);
+    std::uint32_t time = lane_of(sample.time, lane);
+    std::uint32_t value = lane_of(sample.value, lane);
+    if (time < lane_of(large_step_time_, lane)) {
+      value = lane_of(rng_.next_fixed(one_lane<F>(lane)), lane);
+      time = now - 1;
     }
-    if (mode_ == Mode::kSmall) catch_up(sample);
-    saved_[saved_count_++] = SavedSample{sample.time, sample.value, index};
-    sample.time = time_;
-    sample.value = mode_ == Mode::kLarge ? rng_.next_fixed() : sample.value + steps_.next();
-    return sample.value;
+    for (; time + 1 < now; ++time) value += steps_.take_one(lane);
+    set_lane_of(sample.time, lane, time);
+    set_lane_of(sample.value, lane, value);
   }
 
-  /// Brings a sample to the current state, one step before the proposal. A sample older than the last large
-  /// step, or never asked for, is uniform and independent of all others, and the steps that it missed since
-  /// would leave it so: it is drawn as of now.
-  void catch_up(PrimarySample& sample) {
-    if (sample.time < large_step_time_) sample = PrimarySample{time_ - 1, rng_.next_fixed()};
-    for (; sample.time + 1 < time_; ++sample.time) sample.value += steps_.next();
-  }
-
-  std::span<PrimarySample> samples_;
-  std::span<SavedSample> saved_;
-  Rng rng_;
-  StepSource steps_;
-  Rng initial_;
-  std::uint64_t time_;
-  std::uint64_t current_time_ = kNever;  ///< of samples that a small step need not bring up to date
-  std::uint64_t large_step_time_;
-  std::uint32_t cursor_ = 0;
+  std::span<PrimarySampleOf<F>> samples_;
+  std::span<SavedSampleOf<F>> saved_;
+  RngOf<F> rng_;
+  StepSource<F> steps_;
+  RngOf<F> initial_;
+  U time_;
+  U current_time_{};  ///< of samples that a small step need not bring up to date
+  U large_step_time_;
+  M large_step_{};
+  Progress<F> progress_;
   std::uint32_t saved_count_ = 0;
-  Mode mode_ = Mode::kSmall;
+  bool is_initial_ = false;
 };
+using PrimarySampleVector = PrimarySampleVectorOf<float>;
 
 }  // namespace mlt

@@ -19,68 +19,81 @@ inline constexpr PrimarySampleUse kSampleUse{.lobe = false, .direction = true};
 void compile(const MaterialDescription& description, Material& material);
 
 /// Everything that evaluation and sampling share, so that both give the same bits for the same directions.
+template <class F>
 struct Reflection {
-  Vec3 fresnel{0, 0, 0};
-  float pdf_solid_angle = 0;
-  float shadowing = 0;  ///< G2/G1, in [0,1]
+  Vec3Of<F> fresnel;
+  F pdf_solid_angle;  ///< 0 where there is no reflection
+  F shadowing;        ///< G2/G1, in [0,1]
 };
 
-/// Reflection between unit directions on the upper side (z > 0 for both).
-inline Reflection reflect_rough(const Material& material, const Vec3& wo, const Vec3& wi) {
-  const Vec3 sum = wo + wi;
-  const float sum_length = length(sum);
-  if (!(sum_length > 0.0f)) return {};
-  const Vec3 h = sum * (1.0f / sum_length);
-  const float alpha = material.roughness;
-  const float length_o = ggx_stretched_length(alpha, wo);
-  const float length_i = ggx_stretched_length(alpha, wi);
+/// Reflection between unit directions on the upper side (z > 0 for both), in the lanes of `valid`.
+template <class F>
+MLT_INLINE Reflection<F> reflect_rough(const MaterialOf<F>& material, const Vec3Of<F>& wo,
+                                       const Vec3Of<F>& wi, MaskOf<F> valid) {
+  const F one = broadcast_to<F>(1.0f);
+  const Vec3Of<F> sum = wo + wi;
+  const F sum_length = length(sum);
+  valid = valid & (sum_length > 0.0f);
+  const Vec3Of<F> h = sum * (1.0f / nonzero(valid, sum_length));
+  const F alpha = nonzero(valid, material.roughness);
+  const F length_o = ggx_stretched_length<F>(alpha, wo);
+  const F length_i = ggx_stretched_length<F>(alpha, wi);
 
-  Reflection result;
+  Reflection<F> result;
   // G1(wo) D(h) / (4 wo.z) [Heitz18 eq. 17], with wo.z cancelled: finite however grazing wo is.
-  result.pdf_solid_angle = ggx_distribution(alpha, h) * (0.5f / (wo.z + length_o));
+  const F pdf = ggx_distribution<F>(alpha, h) * (0.5f / (wo.z + length_o));
+  result.pdf_solid_angle = select(valid, pdf, F{});
   // G2/G1 = (1 + Lambda(wo)) / (1 + Lambda(wo) + Lambda(wi)); a quotient that overflows to infinity rightly
   // gives 0.
-  result.shadowing = (wo.z + length_o) / (length_o + wo.z * (length_i / wi.z));
-  if (result.shadowing > 1.0f) result.shadowing = 1.0f;
+  const F shadowing = (wo.z + length_o) / (length_o + wo.z * (length_i / nonzero(valid, wi.z)));
+  result.shadowing = select(shadowing > 1.0f, one, shadowing);
   // The incident angle on the facet is half of that between wo and wi: its cosine is half the sum's length
   // and its sine half the difference's.
-  const Vec3 difference = wo - wi;
-  const float cos_facet = 0.5f * sum_length;
-  result.fresnel = fresnel_conductor(cos_facet < 1.0f ? cos_facet : 1.0f, 0.25f * dot(difference, difference),
-                                     material.eta, material.k);
+  const Vec3Of<F> difference = wo - wi;
+  const F cos_facet = 0.5f * sum_length;
+  result.fresnel = fresnel_conductor_rgb<F>(select(cos_facet < 1.0f, cos_facet, one),
+                                            0.25f * dot(difference, difference), material.eta, material.k);
   return result;
 }
 
-inline BsdfValue evaluate(const Material& material, const Vec3& wo, const Vec3& wi) {
-  const bool same_side = (wo.z > 0.0f && wi.z > 0.0f) || (wo.z < 0.0f && wi.z < 0.0f);
-  if (!same_side || material.roughness == 0.0f) return {};
-  const Reflection reflection =
-      reflect_rough(material, Vec3{wo.x, wo.y, std::fabs(wo.z)}, Vec3{wi.x, wi.y, std::fabs(wi.z)});
-  if (!(reflection.pdf_solid_angle > 0.0f)) return {};
-  return {reflection.fresnel * (reflection.shadowing * reflection.pdf_solid_angle),
-          reflection.pdf_solid_angle};
+template <class F>
+MLT_INLINE BsdfValueOf<F> evaluate(const MaterialOf<F>& material, const Vec3Of<F>& wo, const Vec3Of<F>& wi) {
+  const MaskOf<F> valid = same_side(wo.z, wi.z) & not_in(MaskOf<F>(material.roughness == 0.0f));
+  if (!any(valid)) return {};
+  const Reflection<F> reflection = reflect_rough<F>(material, Vec3Of<F>{wo.x, wo.y, magnitude(wo.z)},
+                                                    Vec3Of<F>{wi.x, wi.y, magnitude(wi.z)}, valid);
+  const BsdfValueOf<F> value{reflection.fresnel * (reflection.shadowing * reflection.pdf_solid_angle),
+                             reflection.pdf_solid_angle};
+  return select(reflection.pdf_solid_angle > 0.0f, value, BsdfValueOf<F>{});
 }
 
-inline BsdfSample sample(const Material& material, const Vec3& wo, float, const Vec2& u) {
-  BsdfSample result;
-  result.is_delta = material.roughness == 0.0f;
-  if (!(std::fabs(wo.z) > 0.0f)) return result;
-  if (result.is_delta) {
-    result.wi = Vec3{-wo.x, -wo.y, wo.z};
-    result.weight = fresnel_conductor(std::fabs(wo.z), wo.x * wo.x + wo.y * wo.y, material.eta, material.k);
-    return result;
+template <class F>
+MLT_INLINE BsdfSampleOf<F> sample(const MaterialOf<F>& material, const Vec3Of<F>& wo, F, const Vec2Of<F>& u) {
+  BsdfSampleOf<F> result;
+  const MaskOf<F> inclined = magnitude(wo.z) > 0.0f;
+  const MaskOf<F> is_smooth = material.roughness == 0.0f;
+  result.is_delta = is_smooth;
+  if (any(inclined & is_smooth)) {
+    BsdfSampleOf<F> mirrored = result;
+    mirrored.wi = Vec3Of<F>{-wo.x, -wo.y, wo.z};
+    mirrored.weight =
+        fresnel_conductor_rgb<F>(magnitude(wo.z), wo.x * wo.x + wo.y * wo.y, material.eta, material.k);
+    result = select(inclined & is_smooth, mirrored, result);
   }
-  const Vec3 upper{wo.x, wo.y, std::fabs(wo.z)};
-  const Vec3 h = ggx_sample_visible_normal(material.roughness, upper, u);
-  Vec3 wi = h * (2.0f * dot(upper, h)) - upper;
-  if (!(wi.z > 0.0f)) return result;
-  const Reflection reflection = reflect_rough(material, upper, wi);
-  if (!(reflection.pdf_solid_angle > 0.0f)) return result;
-  if (wo.z < 0.0f) wi.z = -wi.z;
-  result.wi = wi;
-  result.weight = reflection.fresnel * reflection.shadowing;
-  result.pdf_solid_angle = reflection.pdf_solid_angle;
-  return result;
+  MaskOf<F> valid = inclined & not_in(is_smooth);
+  if (!any(valid)) return result;
+  const Vec3Of<F> upper{wo.x, wo.y, magnitude(wo.z)};
+  const Vec3Of<F> h = ggx_sample_visible_normal<F>(material.roughness, upper, u);
+  Vec3Of<F> wi = h * (2.0f * dot(upper, h)) - upper;
+  valid = valid & (wi.z > 0.0f);
+  if (!any(valid)) return result;
+  const Reflection<F> reflection = reflect_rough<F>(material, upper, wi, valid);
+  wi.z = negate_if<F>(wo.z < 0.0f, wi.z);
+  BsdfSampleOf<F> drawn = result;
+  drawn.wi = wi;
+  drawn.weight = reflection.fresnel * reflection.shadowing;
+  drawn.pdf_solid_angle = reflection.pdf_solid_angle;
+  return select(valid & (reflection.pdf_solid_angle > 0.0f), drawn, result);
 }
 
 }  // namespace mlt::conductor_bsdf

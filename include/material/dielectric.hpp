@@ -16,39 +16,48 @@ inline constexpr PrimarySampleUse kSampleUse{.lobe = true, .direction = false};
 
 void compile(const MaterialDescription& description, Material& material);
 
-inline BsdfValue evaluate(const Material&, const Vec3&, const Vec3&) {
+template <class F>
+MLT_INLINE BsdfValueOf<F> evaluate(const MaterialOf<F>&, const Vec3Of<F>&, const Vec3Of<F>&) {
   return {};
 }
 
-inline BsdfSample sample(const Material& material, const Vec3& wo, float u_lobe, const Vec2&) {
-  BsdfSample result;
-  result.is_delta = true;
-  const float cos_i = std::fabs(wo.z);
-  if (!(cos_i > 0.0f)) return result;
-  if (material.ior == 1.0f) {
-    // No interface: exactly straight on, without the rounding that Snell's law would add.
-    result.wi = -wo;
-    result.weight = Vec3{1, 1, 1};
-    return result;
-  }
-  const float eta = wo.z > 0.0f ? material.ior : 1.0f / material.ior;
-  const float inverse_eta = 1.0f / eta;
+template <class F>
+MLT_INLINE BsdfSampleOf<F> sample(const MaterialOf<F>& material, const Vec3Of<F>& wo, F u_lobe,
+                                  const Vec2Of<F>&) {
+  const F one = broadcast_to<F>(1.0f);
+  BsdfSampleOf<F> absorbed;
+  absorbed.is_delta = not_in(MaskOf<F>{});
+  const F cos_i = magnitude(wo.z);
+  const MaskOf<F> scatters = cos_i > 0.0f;
+  if (!any(scatters)) return absorbed;
+
+  const MaskOf<F> from_front = wo.z > 0.0f;
+  const F eta = select(from_front, material.ior, 1.0f / material.ior);
+  const F inverse_eta = 1.0f / eta;
   // The sine from the tangential components: 1 - cos^2 would lose all digits near normal incidence.
-  const float sin2_t = (wo.x * wo.x + wo.y * wo.y) * (inverse_eta * inverse_eta);
-  const float cos2_t = 1.0f - sin2_t;
-  const float cos_t = cos2_t > 0.0f ? std::sqrt(cos2_t) : 0.0f;
-  const float reflected = cos_t > 0.0f ? fresnel_dielectric(cos_i, cos_t, eta) : 1.0f;
-  if (u_lobe < reflected) {
-    result.wi = Vec3{-wo.x, -wo.y, wo.z};
-    result.weight = Vec3{1, 1, 1};
-    return result;
-  }
-  if (!(cos_t > 0.0f)) return result;
-  result.wi = Vec3{-wo.x * inverse_eta, -wo.y * inverse_eta, wo.z > 0.0f ? -cos_t : cos_t};
-  const float squeezing = inverse_eta * inverse_eta;
-  result.weight = Vec3{squeezing, squeezing, squeezing};
-  result.eta_scale = eta * eta;
-  return result;
+  const F sin2_t = (wo.x * wo.x + wo.y * wo.y) * (inverse_eta * inverse_eta);
+  const F cos2_t = 1.0f - sin2_t;
+  const MaskOf<F> can_pass = cos2_t > 0.0f;
+  const F cos_t = square_root(select(can_pass, cos2_t, F{}));
+  const F reflected = select(can_pass, fresnel_dielectric(cos_i, cos_t, eta), one);
+  const MaskOf<F> reflects = u_lobe < reflected;
+  // No interface: exactly straight on, without the rounding that Snell's law would add.
+  const MaskOf<F> is_invisible = material.ior == 1.0f;
+
+  BsdfSampleOf<F> mirrored = absorbed;
+  mirrored.wi = Vec3Of<F>{-wo.x, -wo.y, wo.z};
+  mirrored.weight = Vec3Of<F>{one, one, one};
+  BsdfSampleOf<F> refracted = absorbed;
+  refracted.wi = Vec3Of<F>{-wo.x * inverse_eta, -wo.y * inverse_eta, negate_if<F>(from_front, cos_t)};
+  const F squeezing = inverse_eta * inverse_eta;
+  refracted.weight = Vec3Of<F>{squeezing, squeezing, squeezing};
+  refracted.eta_scale = eta * eta;
+  BsdfSampleOf<F> straight = mirrored;
+  straight.wi = -wo;
+
+  const BsdfSampleOf<F> passed = select(can_pass, refracted, absorbed);
+  const BsdfSampleOf<F> split = select(reflects, mirrored, passed);
+  return select(scatters, select(is_invisible, straight, split), absorbed);
 }
 
 }  // namespace mlt::dielectric_bsdf

@@ -14,25 +14,22 @@ inline constexpr PrimarySampleUse kSampleUse{.lobe = false, .direction = true};
 
 void compile(const MaterialDescription& description, Material& material);
 
-inline BsdfValue evaluate(const Material& material, const Vec3& wo, const Vec3& wi) {
-  // Comparisons of signs: the product of two tiny cosines would underflow.
-  const bool same_side = (wo.z > 0.0f && wi.z > 0.0f) || (wo.z < 0.0f && wi.z < 0.0f);
-  if (!same_side) return {};
-  const float pdf = cosine_hemisphere_pdf_solid_angle(std::fabs(wi.z));
+template <class F>
+MLT_INLINE BsdfValueOf<F> evaluate(const MaterialOf<F>& material, const Vec3Of<F>& wo, const Vec3Of<F>& wi) {
+  const F pdf = select(same_side(wo.z, wi.z), cosine_hemisphere_pdf_solid_angle(magnitude(wi.z)), F{});
   return {material.reflectance * pdf, pdf};
 }
 
-inline BsdfSample sample(const Material& material, const Vec3& wo, float, const Vec2& u) {
-  BsdfSample result;
-  if (!(std::fabs(wo.z) > 0.0f)) return result;
-  Vec3 wi = cosine_hemisphere(u);
-  const float pdf = cosine_hemisphere_pdf_solid_angle(wi.z);
-  if (!(pdf > 0.0f)) return result;
-  if (wo.z < 0.0f) wi.z = -wi.z;
-  result.wi = wi;
-  result.weight = material.reflectance;
-  result.pdf_solid_angle = pdf;
-  return result;
+template <class F>
+MLT_INLINE BsdfSampleOf<F> sample(const MaterialOf<F>& material, const Vec3Of<F>& wo, F, const Vec2Of<F>& u) {
+  Vec3Of<F> wi = cosine_hemisphere<F>(u);
+  const F pdf = cosine_hemisphere_pdf_solid_angle(wi.z);
+  wi.z = negate_if<F>(wo.z < 0.0f, wi.z);
+  BsdfSampleOf<F> drawn;
+  drawn.wi = wi;
+  drawn.weight = material.reflectance;
+  drawn.pdf_solid_angle = pdf;
+  return select((magnitude(wo.z) > 0.0f) & (pdf > 0.0f), drawn, BsdfSampleOf<F>{});
 }
 
 }  // namespace mlt::diffuse_bsdf

@@ -10,9 +10,10 @@ namespace mlt {
 
 /// Reflectance between two transparent media [Born99 section 1.5.2]. Cosines of the angles of incidence and
 /// refraction, both in (0,1] and related by Snell's law; eta = eta_t / eta_i > 0.
-inline float fresnel_dielectric(float cos_i, float cos_t, float eta) {
-  const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-  const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+template <class F>
+inline F fresnel_dielectric(F cos_i, F cos_t, F eta) {
+  const F parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  const F perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
   return 0.5f * (parallel * parallel + perpendicular * perpendicular);
 }
 
@@ -20,33 +21,38 @@ inline float fresnel_dielectric(float cos_i, float cos_t, float eta) {
 /// sin2_i = 1 - cos_i^2 handed in because callers have it without cancellation; eta >= 0, k >= 0, both at
 /// most kMaxRefractiveIndex. With a + i b = sqrt((eta + i k)^2 - sin^2), each amplitude ratio is a quotient
 /// of complex numbers whose squared moduli are sums of squares: no difference is left to cancel.
-inline float fresnel_conductor(float cos_i, float sin2_i, float eta, float k) {
+template <class F>
+inline F fresnel_conductor(F cos_i, F sin2_i, F eta, F k) {
   // eta^2 - k^2 - sin^2, without cancellation for an index near 1.
-  const float real = ((eta - 1.0f) * (eta + 1.0f) - k * k) + cos_i * cos_i;
-  const float imaginary = 2.0f * eta * k;
-  const float modulus = std::sqrt(real * real + imaginary * imaginary);
+  const F real = ((eta - 1.0f) * (eta + 1.0f) - k * k) + cos_i * cos_i;
+  const F imaginary = 2.0f * eta * k;
+  const F modulus = square_root(real * real + imaginary * imaginary);
   // The larger of a^2 and b^2 directly, the smaller one from a * b = imaginary / 2.
-  const float larger = 0.5f * (modulus + std::fabs(real));
-  const float smaller = larger > 0.0f ? 0.25f * imaginary * imaginary / larger : 0.0f;
-  const float a2 = real >= 0.0f ? larger : smaller;
-  const float b2 = real >= 0.0f ? smaller : larger;
-  const float a = std::sqrt(a2);
+  const F greater = 0.5f * (modulus + magnitude(real));
+  const MaskOf<F> has_greater = greater > 0.0f;
+  const F lesser = select(has_greater, 0.25f * imaginary * imaginary / nonzero(has_greater, greater), F{});
+  const MaskOf<F> is_clear = real >= 0.0f;
+  const F a2 = select(is_clear, greater, lesser);
+  const F b2 = select(is_clear, lesser, greater);
+  const F a = square_root(a2);
 
-  const float denominator_s = (cos_i + a) * (cos_i + a) + b2;
-  if (!(denominator_s > 0.0f)) return 1.0f;
-  const float reflectance_s = ((cos_i - a) * (cos_i - a) + b2) / denominator_s;
+  const F denominator_s = (cos_i + a) * (cos_i + a) + b2;
+  const MaskOf<F> has_s = denominator_s > 0.0f;
+  const F reflectance_s = ((cos_i - a) * (cos_i - a) + b2) / nonzero(has_s, denominator_s);
 
-  const float a_cos = a * cos_i;
-  const float b2_cos2 = b2 * cos_i * cos_i;
-  const float denominator_p = (a_cos + sin2_i) * (a_cos + sin2_i) + b2_cos2;
-  if (!(denominator_p > 0.0f)) return reflectance_s;
-  const float ratio_p = ((a_cos - sin2_i) * (a_cos - sin2_i) + b2_cos2) / denominator_p;
-  return 0.5f * reflectance_s * (1.0f + ratio_p);
+  const F a_cos = a * cos_i;
+  const F b2_cos2 = b2 * cos_i * cos_i;
+  const F denominator_p = (a_cos + sin2_i) * (a_cos + sin2_i) + b2_cos2;
+  const MaskOf<F> has_p = denominator_p > 0.0f;
+  const F ratio_p = ((a_cos - sin2_i) * (a_cos - sin2_i) + b2_cos2) / nonzero(has_p, denominator_p);
+  const F mean = select(has_p, 0.5f * reflectance_s * (1.0f + ratio_p), reflectance_s);
+  return select(has_s, mean, broadcast_to<F>(1.0f));
 }
 
-inline Vec3 fresnel_conductor(float cos_i, float sin2_i, const Vec3& eta, const Vec3& k) {
-  return Vec3{fresnel_conductor(cos_i, sin2_i, eta.x, k.x), fresnel_conductor(cos_i, sin2_i, eta.y, k.y),
-              fresnel_conductor(cos_i, sin2_i, eta.z, k.z)};
+template <class F>
+inline Vec3Of<F> fresnel_conductor_rgb(F cos_i, F sin2_i, const Vec3Of<F>& eta, const Vec3Of<F>& k) {
+  return Vec3Of<F>{fresnel_conductor(cos_i, sin2_i, eta.x, k.x), fresnel_conductor(cos_i, sin2_i, eta.y, k.y),
+                   fresnel_conductor(cos_i, sin2_i, eta.z, k.z)};
 }
 
 }  // namespace mlt

@@ -12,17 +12,19 @@ inline constexpr PrimarySampleUse kSampleUse{.lobe = false, .direction = false};
 
 void compile(const MaterialDescription& description, Material& material);
 
-inline BsdfValue evaluate(const Material&, const Vec3&, const Vec3&) {
+template <class F>
+MLT_INLINE BsdfValueOf<F> evaluate(const MaterialOf<F>&, const Vec3Of<F>&, const Vec3Of<F>&) {
   return {};
 }
 
-inline BsdfSample sample(const Material& material, const Vec3& wo, float, const Vec2&) {
-  BsdfSample result;
-  result.is_delta = true;
-  if (!(std::fabs(wo.z) > 0.0f)) return result;
-  result.wi = Vec3{-wo.x, -wo.y, wo.z};
-  result.weight = material.reflectance;
-  return result;
+template <class F>
+MLT_INLINE BsdfSampleOf<F> sample(const MaterialOf<F>& material, const Vec3Of<F>& wo, F, const Vec2Of<F>&) {
+  BsdfSampleOf<F> absorbed;
+  absorbed.is_delta = not_in(MaskOf<F>{});
+  BsdfSampleOf<F> mirrored = absorbed;
+  mirrored.wi = Vec3Of<F>{-wo.x, -wo.y, wo.z};
+  mirrored.weight = material.reflectance;
+  return select(magnitude(wo.z) > 0.0f, mirrored, absorbed);
 }
 
 }  // namespace mlt::mirror_bsdf

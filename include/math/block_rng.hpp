@@ -14,6 +14,8 @@ inline constexpr int kBlockDraws = 8;
 
 class BlockRng {
  public:
+  BlockRng() = default;
+
   /// The lanes' states are hashed from the numbers of Rng(seed, purpose, index).
   BlockRng(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index) {
     Rng source(seed, purpose, index);
@@ -53,7 +55,7 @@ class BlockRng {
  private:
   MLT_INLINE static LaneUint rotate_left(LaneUint x, int k) { return (x << k) | (x >> (32 - k)); }
 
-  alignas(16) std::uint32_t state_[4][kBlockDraws];
+  alignas(16) std::uint32_t state_[4][kBlockDraws] = {};
 };
 
 }  // namespace mlt

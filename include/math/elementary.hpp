@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "math/degrees.hpp"
+#include "math/wide.hpp"
 
 namespace mlt {
 
@@ -27,9 +28,9 @@ inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kRoundToInteger = 0x1.8p+23f;
 
 /// `a` where `mask` has ones, `b` where it has zeros.
-inline float blend(std::uint32_t mask, float a, float b) {
-  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(a) & mask) |
-                              (std::bit_cast<std::uint32_t>(b) & ~mask));
+template <class F>
+MLT_INLINE F blend(UintOf<F> mask, F a, F b) {
+  return as_floats((as_bits(a) & mask) | (as_bits(b) & ~mask));
 }
 
 /// The integer that stands in the low bits of x + kRoundToInteger; |x| < 2^22.
@@ -54,25 +55,25 @@ inline float scale(float p, std::int32_t n) {
 /// sin(2 pi u) and cos(2 pi u) for u in [0,1), error at most 1.18 ulp. Exact at multiples of 1/4, where a
 /// zero may have either sign. Correct, too, for negative u and for |u| up to 2^20; beyond that, and for
 /// infinity, the results mean nothing. NaN gives NaN.
-inline void sincos_2pi(float u, float& s, float& c) {
+template <class F>
+inline void sincos_2pi(F u, F& s, F& c) {
   // u = q/4 + r with |r| <= 1/8, without rounding.
-  const float shifted = 4.0f * u + detail::kRoundToInteger;
-  const std::uint32_t quadrant = std::bit_cast<std::uint32_t>(shifted);
-  const float r = u - 0.25f * (shifted - detail::kRoundToInteger);
-  const float t = r * r;
+  const F shifted = 4.0f * u + detail::kRoundToInteger;
+  const UintOf<F> quadrant = as_bits(shifted);
+  const F r = u - 0.25f * (shifted - detail::kRoundToInteger);
+  const F t = r * r;
   // sin(2 pi r) = 8 r - r (8 - 2 pi - r^2 S(r^2)): 8 r is exact, and what is taken from it is small. The
   // constant is the sum of two floats.
-  const float sin_tail = (0x1.4abbbep+5f + t * (-0x1.465facp+6f + t * 0x1.2db5d6p+6f)) * t + 0x1.dde974p-25f;
-  const float sin_r = 8.0f * r - r * (0x1.b7812ap+0f + sin_tail);
+  const F sin_tail = (0x1.4abbbep+5f + t * (-0x1.465facp+6f + t * 0x1.2db5d6p+6f)) * t + 0x1.dde974p-25f;
+  const F sin_r = 8.0f * r - r * (0x1.b7812ap+0f + sin_tail);
   // cos(2 pi r) = 1 - (16 r^2 + r^2 C(r^2)), for the same reason.
-  const float cos_tail =
-      (0x1.de9e64p+1f + t * -0x1.03c1dep+6f) + (t * t) * (0x1.55c5bp+6f + t * -0x1.d9b69ep+5f);
-  const float cos_r = 1.0f - (16.0f * t + t * cos_tail);
-  const std::uint32_t odd = 0U - (quadrant & 1U);
-  const std::uint32_t sin_sign = (quadrant & 2U) << 30;
-  const std::uint32_t cos_sign = ((quadrant + 1U) & 2U) << 30;
-  s = std::bit_cast<float>(std::bit_cast<std::uint32_t>(detail::blend(odd, cos_r, sin_r)) ^ sin_sign);
-  c = std::bit_cast<float>(std::bit_cast<std::uint32_t>(detail::blend(odd, sin_r, cos_r)) ^ cos_sign);
+  const F cos_tail = (0x1.de9e64p+1f + t * -0x1.03c1dep+6f) + (t * t) * (0x1.55c5bp+6f + t * -0x1.d9b69ep+5f);
+  const F cos_r = 1.0f - (16.0f * t + t * cos_tail);
+  const UintOf<F> odd = 0U - (quadrant & 1U);
+  const UintOf<F> sin_sign = (quadrant & 2U) << 30;
+  const UintOf<F> cos_sign = ((quadrant + 1U) & 2U) << 30;
+  s = as_floats(as_bits(detail::blend(odd, cos_r, sin_r)) ^ sin_sign);
+  c = as_floats(as_bits(detail::blend(odd, sin_r, cos_r)) ^ cos_sign);
 }
 
 /// e^x, error at most 1.01 ulp (of a denormal's spacing where the result is denormal). exp_f(0) is 1, above

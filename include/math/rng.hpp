@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "math/wide.hpp"
+
 namespace mlt {
 
 /// What a stream is for; part of its key.
@@ -29,52 +31,68 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
 
 /// A 32-bit fixed-point number in [0,1) as a float in [0, 1-2^-24]: 24 bits are kept, so it never rounds
 /// to 1.
-inline float unit_float(std::uint32_t fixed) {
-  return static_cast<float>(fixed >> 8) * 0x1p-24f;
+template <class U>
+MLT_INLINE auto unit_float(U fixed) {
+  return to_float(fixed >> 8) * 0x1p-24f;
 }
 
-class Rng {
- public:
-  Rng() : Rng(0, StreamPurpose::kTest, 0) {}
+/// One generator for each lane of F.
+template <class F>
+class RngOf {
+  using U = UintOf<F>;
 
-  Rng(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index) {
+ public:
+  RngOf() = default;
+
+  /// Of the stream's first numbers, in all lanes.
+  RngOf(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index) {
     const std::uint64_t key = mix64(mix64(seed + 0x9e3779b97f4a7c15ULL) +
                                     0xd1b54a32d192ed03ULL * static_cast<std::uint64_t>(purpose));
     const std::uint64_t low = mix64(index + key);
     const std::uint64_t high = mix64(low ^ mix64(key + 0x8cb92ba72f3d8dd7ULL));
-    state_[0] = static_cast<std::uint32_t>(low);
-    state_[1] = static_cast<std::uint32_t>(low >> 32);
-    state_[2] = static_cast<std::uint32_t>(high);
-    state_[3] = static_cast<std::uint32_t>(high >> 32);
+    state_[0] = broadcast_bits<U>(static_cast<std::uint32_t>(low));
+    state_[1] = broadcast_bits<U>(static_cast<std::uint32_t>(low >> 32));
+    state_[2] = broadcast_bits<U>(static_cast<std::uint32_t>(high));
+    state_[3] = broadcast_bits<U>(static_cast<std::uint32_t>(high >> 32));
     // The all-zero state is the generator's only fixed point.
-    if ((state_[0] | state_[1] | state_[2] | state_[3]) == 0) state_[0] = 0x9e3779b9U;
+    if ((low | high) == 0) state_[0] = broadcast_bits<U>(0x9e3779b9U);
   }
 
-  /// Uniform over all 2^32 values.
-  std::uint32_t next_fixed() {
-    const std::uint32_t result = rotate_left(state_[0] + state_[3], 7) + state_[0];
-    const std::uint32_t shifted = state_[1] << 9;
-    state_[2] ^= state_[0];
-    state_[3] ^= state_[1];
-    state_[1] ^= state_[2];
-    state_[0] ^= state_[3];
-    state_[2] ^= shifted;
-    state_[3] = rotate_left(state_[3], 11);
+  void set_lane(int lane, const RngOf<float>& rng) {
+    for (int i = 0; i < 4; ++i) set_lane_of(state_[i], lane, rng.state_[i]);
+  }
+
+  /// Uniform over all 2^32 values. Lanes outside `active` do not draw.
+  MLT_INLINE U next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) {
+    const U result = rotate_left(state_[0] + state_[3], 7) + state_[0];
+    const U s2 = state_[2] ^ state_[0];
+    const U s3 = state_[3] ^ state_[1];
+    const U s1 = state_[1] ^ s2;
+    const U s0 = state_[0] ^ s3;
+    state_[2] = select(active, s2 ^ (state_[1] << 9), state_[2]);
+    state_[3] = select(active, rotate_left(s3, 11), state_[3]);
+    state_[1] = select(active, s1, state_[1]);
+    state_[0] = select(active, s0, state_[0]);
     return result;
   }
 
   /// 64 bits at once, as a key of further hashes.
   std::uint64_t next_key() {
+    static_assert(!VectorType<F>);
     const std::uint64_t low = next_fixed();
     return std::uint64_t{next_fixed()} << 32 | low;
   }
 
   /// Uniform in [0, 1-2^-24], a multiple of 2^-24.
-  float next_float() { return unit_float(next_fixed()); }
+  F next_float() { return unit_float(next_fixed()); }
 
  private:
-  static constexpr std::uint32_t rotate_left(std::uint32_t x, int k) { return (x << k) | (x >> (32 - k)); }
-  std::uint32_t state_[4];
+  template <class>
+  friend class RngOf;
+
+  MLT_INLINE static U rotate_left(U x, int k) { return (x << k) | (x >> (32 - k)); }
+  U state_[4] = {};
 };
+using Rng = RngOf<float>;
 
 }  // namespace mlt

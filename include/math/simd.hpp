@@ -28,6 +28,9 @@ using LaneInt __attribute__((vector_size(kLanes * sizeof(float)))) = std::int32_
 using LaneUint __attribute__((vector_size(kLanes * sizeof(float)))) = std::uint32_t;
 
 #define MLT_INLINE [[gnu::always_inline]] inline
+/// For the larger functions over lanes: a call costs little against their work for all lanes, and every
+/// inlined copy costs a user of the compiler much.
+#define MLT_NOINLINE [[gnu::noinline]]
 
 MLT_INLINE LaneFloat broadcast(float value) {
 #if defined(__AVX2__)
@@ -55,18 +58,29 @@ MLT_INLINE void store_lanes(std::uint32_t* values, LaneUint lanes) {
 
 /// `when_true` in the lanes where `mask` is set, else `when_false`.
 MLT_INLINE LaneFloat select(LaneInt mask, LaneFloat when_true, LaneFloat when_false) {
+#if defined(__AVX2__)
+  return std::bit_cast<LaneFloat>(_mm256_blendv_ps(
+      std::bit_cast<__m256>(when_false), std::bit_cast<__m256>(when_true), std::bit_cast<__m256>(mask)));
+#else
   return floats_of((mask & bits_of(when_true)) | (~mask & bits_of(when_false)));
+#endif
 }
 
 /// a * b + c with one rounding or two, whichever the instruction set makes cheaper: for bounds alone, as the
 /// bits depend on it.
-MLT_INLINE LaneFloat mul_add_bound(LaneFloat a, LaneFloat b, LaneFloat c) {
-#if defined(__AVX2__) && defined(__FMA__)
-  return std::bit_cast<LaneFloat>(
-      _mm256_fmadd_ps(std::bit_cast<__m256>(a), std::bit_cast<__m256>(b), std::bit_cast<__m256>(c)));
-#else
-  return a * b + c;
+template <class F>
+MLT_INLINE F mul_add_bound(F a, F b, F c) {
+#if defined(__AVX512F__) && defined(__FMA__)
+  if constexpr (sizeof(F) == 64)
+    return std::bit_cast<F>(
+        _mm512_fmadd_ps(std::bit_cast<__m512>(a), std::bit_cast<__m512>(b), std::bit_cast<__m512>(c)));
 #endif
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(F) == 32)
+    return std::bit_cast<F>(
+        _mm256_fmadd_ps(std::bit_cast<__m256>(a), std::bit_cast<__m256>(b), std::bit_cast<__m256>(c)));
+#endif
+  return a * b + c;
 }
 
 /// `mask` set in lanes gives NaN there. The operator | on a comparison becomes a blend of three operations in

@@ -12,26 +12,30 @@ namespace mlt {
 /// Unit vector of the hemisphere around +z with density cos(theta)/pi per solid angle. z >= 2^-12, and z^2 is
 /// 1 - u.x exactly up to the rounding of two operations, because it is computed from u.x and not from x and
 /// y.
-inline Vec3 cosine_hemisphere(const Vec2& u) {
-  float s;
-  float c;
+template <class F = float>
+inline Vec3Of<F> cosine_hemisphere(const Vec2Of<F>& u) {
+  F s;
+  F c;
   sincos_2pi(u.y, s, c);
-  const float r = std::sqrt(u.x);
-  return Vec3{r * c, r * s, std::sqrt(1.0f - u.x)};
+  const F r = square_root(u.x);
+  return Vec3Of<F>{r * c, r * s, square_root(1.0f - u.x)};
 }
 
 /// Density per solid angle of cosine_hemisphere(); 0 on and below the horizon.
-inline float cosine_hemisphere_pdf_solid_angle(float cos_theta) {
-  return cos_theta > 0.0f ? cos_theta * kInversePi : 0.0f;
+template <class F>
+inline F cosine_hemisphere_pdf_solid_angle(F cos_theta) {
+  return select(cos_theta > 0.0f, cos_theta * kInversePi, F{});
 }
 
 /// Uniform barycentric coordinates (their sum is 1 within rounding, none is negative) by the map of
 /// [Heitz19], which needs no square root and keeps neighbouring samples together.
-inline Vec3 uniform_triangle(const Vec2& u) {
-  const bool below = u.x >= u.y;
-  const float half = 0.5f * (below ? u.y : u.x);
-  const float rest = (below ? u.x : u.y) - half;
-  return Vec3{below ? rest : half, below ? half : rest, 1.0f - (below ? u.x : u.y)};
+template <class F = float>
+inline Vec3Of<F> uniform_triangle(const Vec2Of<F>& u) {
+  const MaskOf<F> below = u.x >= u.y;
+  const F greater = select(below, u.x, u.y);
+  const F half = 0.5f * select(below, u.y, u.x);
+  const F rest = greater - half;
+  return Vec3Of<F>{select(below, rest, half), select(below, half, rest), 1.0f - greater};
 }
 
 /// Density per area of a point chosen by uniform_triangle() on a triangle of this area (> 0).
@@ -40,12 +44,13 @@ inline float uniform_triangle_pdf_area(float area) {
 }
 
 /// Uniform unit vector of the sphere.
-inline Vec3 uniform_sphere(const Vec2& u) {
-  float s;
-  float c;
+template <class F = float>
+inline Vec3Of<F> uniform_sphere(const Vec2Of<F>& u) {
+  F s;
+  F c;
   sincos_2pi(u.y, s, c);
-  const float r = 2.0f * std::sqrt(u.x * (1.0f - u.x));
-  return Vec3{r * c, r * s, 1.0f - 2.0f * u.x};
+  const F r = 2.0f * square_root(u.x * (1.0f - u.x));
+  return Vec3Of<F>{r * c, r * s, 1.0f - 2.0f * u.x};
 }
 
 /// Density per solid angle of uniform_sphere().
@@ -55,8 +60,9 @@ inline float uniform_sphere_pdf_solid_angle() {
 
 /// 1 - cos(alpha) from sin^2(alpha) in [0,1], alpha in [0, pi/2], without the cancellation for small cones:
 /// what a sphere of radius R at distance d subtends has sin^2 = R^2/d^2.
-inline float one_minus_cos(float sin_squared) {
-  return sin_squared / (1.0f + std::sqrt(1.0f - sin_squared));
+template <class F>
+inline F one_minus_cos(F sin_squared) {
+  return sin_squared / (1.0f + square_root(1.0f - sin_squared));
 }
 
 /// Uniform unit vector of the cone (spherical cap) around +z whose half angle has 1 - cos =

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -38,8 +39,9 @@ struct TileStatistics {
 
 /// Storage of one worker, its own but for the film.
 struct WorkerStorage {
-  ChainWorkspace chain;
-  std::span<FilmPixel> film;  ///< one of RenderStorage::films
+  std::span<std::byte> samples, saved;  ///< of a group of chains; Kernel tells their sizes
+  std::span<Splat> current, proposed;   ///< of a group's chains
+  std::span<FilmPixel> film;            ///< one of RenderStorage::films
   FilmWriters film_writers = FilmWriters::one;
   DefectCounts bootstrap_defects;
 };
@@ -89,9 +91,12 @@ constexpr std::uint32_t tile_count(std::uint32_t side) {
 /// One unit each, for a RenderStorage as context.
 struct Kernel {
   std::uint32_t (*primary_sample_capacity)(std::uint32_t depth) = nullptr;
-  std::uint32_t max_splats = 0;
+  std::uint32_t max_splats = 0;  ///< of one path
+  std::uint32_t lanes = 0;       ///< chains, or samples of a pixel, that are advanced together
+  std::size_t sample_bytes = 0;  ///< of one dimension in all lanes
+  std::size_t saved_bytes = 0;   ///< of what a proposal overwrote of it
   void (*bootstrap_chunk)(void* storage, std::uint32_t worker, std::uint64_t chunk) = nullptr;
-  void (*chain)(void* storage, std::uint32_t worker, std::uint64_t chain) = nullptr;
+  void (*chain_group)(void* storage, std::uint32_t worker, std::uint64_t group) = nullptr;
   void (*tile)(void* storage, std::uint32_t worker, std::uint64_t tile) = nullptr;
 };
 

@@ -34,7 +34,7 @@ struct CameraDescription {
   X(dielectric)               \
   X(conductor)
 
-enum class MaterialKind : std::uint8_t {
+enum class MaterialKind : std::uint32_t {
 #define MLT_ENUMERATE(name) name,
   MLT_MATERIAL_KINDS(MLT_ENUMERATE)
 #undef MLT_ENUMERATE

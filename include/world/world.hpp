@@ -24,10 +24,12 @@ struct PrimitiveRecord {
 };
 
 /// Where on the film a path starts: the pixel, and the position within it in [0,1).
-struct FilmPosition {
-  std::uint32_t x = 0, y = 0;
-  Vec2 offset{0, 0};
+template <class F>
+struct FilmPositionOf {
+  UintOf<F> x{}, y{};
+  Vec2Of<F> offset{F{}, F{}};
 };
+using FilmPosition = FilmPositionOf<float>;
 
 /// Pinhole camera: the direction through a film position (measured in pixels from the upper left corner) is
 /// corner + x * step_x + y * step_y, not normalised.
@@ -39,18 +41,30 @@ struct Camera {
   std::uint32_t width = 1, height = 1;  ///< pixels
 
   /// Primary samples (32-bit fixed point in [0,1)) to film position; exact.
-  FilmPosition film_position(std::uint32_t sample_x, std::uint32_t sample_y) const {
-    const std::uint64_t x = std::uint64_t{sample_x} * width;
-    const std::uint64_t y = std::uint64_t{sample_y} * height;
-    return {static_cast<std::uint32_t>(x >> 32), static_cast<std::uint32_t>(y >> 32),
-            Vec2{unit_float(static_cast<std::uint32_t>(x)), unit_float(static_cast<std::uint32_t>(y))}};
+  template <class F = float>
+  FilmPositionOf<F> film_position(UintOf<F> sample_x, UintOf<F> sample_y) const {
+    FilmPositionOf<F> position;
+    scale(sample_x, width, position.x, position.offset.x);
+    scale(sample_y, height, position.y, position.offset.y);
+    return position;
   }
 
   /// Unit direction.
-  Vec3 direction(const FilmPosition& position) const {
-    const float x = static_cast<float>(position.x) + position.offset.x;
-    const float y = static_cast<float>(position.y) + position.offset.y;
-    return normalize((corner + step_x * x) + step_y * y);
+  template <class F = float>
+  Vec3Of<F> direction(const FilmPositionOf<F>& position) const {
+    const F x = to_float(position.x) + position.offset.x;
+    const F y = to_float(position.y) + position.offset.y;
+    return normalize((broadcast_to<F>(corner) + broadcast_to<F>(step_x) * x) + broadcast_to<F>(step_y) * y);
+  }
+
+ private:
+  /// Integer part and fraction of sample * side, of 64 bits in halves since few lanes have as many.
+  template <class F, class U>
+  MLT_INLINE static void scale(U sample, std::uint32_t side, U& whole, F& fraction) {
+    const U high = (sample >> 16) * side;
+    const U low = (sample & 0xffffU) * side;
+    whole = (high + (low >> 16)) >> 16;
+    fraction = unit_float((high << 16) + low);
   }
 };
 

@@ -14,7 +14,7 @@ void compile(const MaterialDescription& description, Material& material) {
   material.eta = Vec3{description.eta};
   material.k = Vec3{description.k};
   material.roughness = static_cast<float>(description.roughness);
-  material.delta = description.roughness == 0.0;
+  material.delta = description.roughness == 0.0 ? 1 : 0;
 }
 
 }  // namespace mlt::conductor_bsdf

@@ -50,8 +50,8 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
       features(find_features(counts, render_job)),
       kernel(kernel_set(render_job.instruction_set).select_kernel(features)),
       sample_capacity(kernel.primary_sample_capacity(render_job.depth)) {
-  const std::uint64_t units = is_metropolis() ? std::uint64_t{job.chains}
-                                              : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
+  const std::uint64_t units =
+      is_metropolis() ? chain_groups() : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
   workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
   slots.world = kernel_set(job.instruction_set).plan_world(memory, counts);
   slots.image = memory.add<Vec3>("image", Lifetime::kScene, pixel_count());
@@ -70,12 +70,12 @@ void JobPlan::plan_metropolis() {
   slots.bootstrap =
       memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender, bootstrap_chunk_count(job.bootstrap));
   slots.chains = memory.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
-  slots.samples = memory.add<PrimarySample>("primary samples", Lifetime::kRender,
-                                            workers * own_stride<PrimarySample>(sample_capacity));
-  slots.saved = memory.add<SavedSample>("saved primary samples", Lifetime::kRender,
-                                        workers * own_stride<SavedSample>(sample_capacity));
+  slots.samples = memory.add<std::byte>("primary samples", Lifetime::kRender,
+                                        workers * own_stride<std::byte>(sample_bytes()));
+  slots.saved = memory.add<std::byte>("saved primary samples", Lifetime::kRender,
+                                      workers * own_stride<std::byte>(saved_bytes()));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
-                                   workers * own_stride<Splat>(std::size_t{2} * kernel.max_splats));
+                                   workers * own_stride<Splat>(2 * group_splats()));
   const std::uint32_t wanted = films_for_all() <= job.film_memory ? workers : 1;
   films = static_cast<std::uint32_t>(std::clamp<std::size_t>(room_for_films() / film_bytes(), 1, wanted));
   slots.films = memory.add<FilmPixel>("films", Lifetime::kRender, films * pixel_count());
@@ -127,17 +127,17 @@ void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) cons
   storage.fraction_bits = job.in_rounds ? kMinFractionBits : film_fraction_bits(storage.mutations);
   storage.bootstrap = arena.take(slots.bootstrap);
   storage.chains = arena.take(slots.chains);
-  const std::span<PrimarySample> samples = arena.take(slots.samples);
-  const std::span<SavedSample> saved = arena.take(slots.saved);
+  const std::span<std::byte> samples = arena.take(slots.samples);
+  const std::span<std::byte> saved = arena.take(slots.saved);
   const std::span<Splat> splats = arena.take(slots.splats);
   storage.films = arena.take(slots.films);
   for (std::size_t i = 0; i < workers; ++i) {
     WorkerStorage& own = storage.workers[i];
-    own.chain.samples = samples.subspan(i * own_stride<PrimarySample>(sample_capacity), sample_capacity);
-    own.chain.saved = saved.subspan(i * own_stride<SavedSample>(sample_capacity), sample_capacity);
-    const std::size_t first_splat = i * own_stride<Splat>(std::size_t{2} * kernel.max_splats);
-    own.chain.current = splats.subspan(first_splat, kernel.max_splats);
-    own.chain.proposed = splats.subspan(first_splat + kernel.max_splats, kernel.max_splats);
+    own.samples = samples.subspan(i * own_stride<std::byte>(sample_bytes()), sample_bytes());
+    own.saved = saved.subspan(i * own_stride<std::byte>(saved_bytes()), saved_bytes());
+    const std::size_t first_splat = i * own_stride<Splat>(2 * group_splats());
+    own.current = splats.subspan(first_splat, group_splats());
+    own.proposed = splats.subspan(first_splat + group_splats(), group_splats());
     const std::size_t film = i % films;
     own.film = storage.film(film);
     own.film_writers = film + films < workers ? FilmWriters::several : FilmWriters::one;

@@ -20,8 +20,8 @@ struct RenderSlots {
   Slot<WorkerStack> stacks;
   Slot<pthread_t> threads;
   Slot<WorkerStorage> workers;
-  Slot<PrimarySample> samples;
-  Slot<SavedSample> saved;
+  Slot<std::byte> samples;
+  Slot<std::byte> saved;
   Slot<Splat> splats;
   Slot<FilmPixel> films;
   Slot<BootstrapChunk> bootstrap;
@@ -48,6 +48,8 @@ struct JobPlan {
 
   std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
   std::uint64_t pixel_units() const { return (pixel_count() + kPixelsPerUnit - 1) / kPixelsPerUnit; }
+  /// Chains run in groups of as many as the kernel has lanes.
+  std::uint64_t chain_groups() const { return (std::uint64_t{job.chains} + kernel.lanes - 1) / kernel.lanes; }
   bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
 
   RenderJob job;
@@ -61,6 +63,10 @@ struct JobPlan {
 
  private:
   void plan_metropolis();
+  // Of one worker's group of chains.
+  std::size_t sample_bytes() const { return sample_capacity * kernel.sample_bytes; }
+  std::size_t saved_bytes() const { return sample_capacity * kernel.saved_bytes; }
+  std::size_t group_splats() const { return std::size_t{kernel.lanes} * kernel.max_splats; }
   std::size_t film_bytes() const { return pixel_count() * sizeof(FilmPixel); }
   std::size_t films_for_all() const { return workers * film_bytes(); }
   std::size_t room_for_films() const;

@@ -7,13 +7,15 @@
 namespace mlt {
 
 template <FeatureMask kFeatures>
+using WideIntegrator = PathIntegrator<kFeatures, WideFloat>;
+
+template <FeatureMask kFeatures>
 void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
   auto& storage = *static_cast<RenderStorage*>(context);
-  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
   WorkerStorage& own = storage.workers[worker];
-  Contribution contribution(own.chain.proposed);
   storage.bootstrap[chunk] = evaluate_bootstrap_chunk(
-      integrator, storage.job.seed, chunk, storage.job.bootstrap, contribution, own.bootstrap_defects);
+      integrator, storage.job.seed, chunk, storage.job.bootstrap, own.proposed, own.bootstrap_defects);
   storage.done.fetch_add(bootstrap_chunk_size(storage.job.bootstrap, chunk), std::memory_order_relaxed);
 }
 
@@ -29,59 +31,93 @@ inline FillSteps fill_steps_of(MutationKind kind) {
 }
 
 template <FeatureMask kFeatures>
-SeedPath find_start(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+SeedPath find_start(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                     const WorkerStorage& own, std::uint64_t chain) {
   // The first path that carries light lies where the cumulative luminance is still 0.
   const double position = storage.job.start == StartKind::first_hit
                               ? 0.0
                               : seed_position(storage.job.seed, storage.round, chain, storage.job.chains,
                                               storage.bootstrap_moments.sum);
-  Contribution contribution(own.chain.proposed);
   return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
-                        contribution);
+                        own.proposed);
+}
+
+/// The items of `Item` that fill `bytes`, which the arena laid out for them.
+template <class Item>
+std::span<Item> items_of(std::span<std::byte> bytes) {
+  return {reinterpret_cast<Item*>(bytes.data()), bytes.size() / sizeof(Item)};
+}
+
+inline ChainWorkspaceOf<WideFloat> workspace_of(const WorkerStorage& own) {
+  return {items_of<PrimarySampleOf<WideFloat>>(own.samples), items_of<SavedSampleOf<WideFloat>>(own.saved),
+          own.current, own.proposed};
 }
 
 template <FeatureMask kFeatures>
-void run_chain(void* context, std::uint32_t worker, std::uint64_t index) {
+void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   auto& storage = *static_cast<RenderStorage*>(context);
+  const RenderJob& job = storage.job;
   const WorkerStorage& own = storage.workers[worker];
-  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  const SeedPath start = find_start(integrator, storage, own, index);
-  FixedFilm film(own.film, storage.fraction_bits, half_of(index, storage.job.chains), own.film_writers);
+  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  const std::uint64_t first = group * kWideLanes;
+  const std::uint64_t count = job.chains - first < kWideLanes ? job.chains - first : kWideLanes;
+  ChainTask tasks[kWideLanes];
+  ChainStatistics statistics[kWideLanes];
+  FixedFilm films[kWideLanes];
+  std::uint64_t mutations = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t index = first + i;
+    tasks[i] = {storage.round * job.chains + index, chain_length(storage.mutations, job.chains, index),
+                find_start(integrator, storage, own, index)};
+    films[i] = FixedFilm(own.film, storage.fraction_bits, half_of(index, job.chains), own.film_writers);
+    mutations += tasks[i].mutations;
+  }
   ChainSettings settings;
-  settings.seed = storage.job.seed;
-  settings.chain_index = storage.round * storage.job.chains + index;
-  settings.mutations = chain_length(storage.mutations, storage.job.chains, index);
-  settings.large_step = storage.job.large_step;
+  settings.seed = job.seed;
+  settings.large_step = job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
-  settings.fill_steps = fill_steps_of(storage.job.mutation);
-  settings.step_size = storage.job.step_size;
-  Chain<PathIntegrator<kFeatures>, FixedFilm> chain(integrator, settings, own.chain, film);
-  storage.chains[index] = chain.run(start);
-  storage.done.fetch_add(settings.mutations, std::memory_order_relaxed);
+  settings.fill_steps = fill_steps_of(job.mutation);
+  settings.step_size = job.step_size;
+  ChainGroup<WideIntegrator<kFeatures>, FixedFilm> chains(
+      integrator, settings, workspace_of(own), std::span(tasks).first(count), std::span(films).first(count));
+  chains.run(std::span(statistics).first(count));
+  for (std::uint64_t i = 0; i < count; ++i) storage.chains[first + i] = statistics[i];
+  storage.done.fetch_add(mutations, std::memory_order_relaxed);
 }
 
-/// All samples of one pixel, in order.
+/// All samples of one pixel, summed in order.
 template <FeatureMask kFeatures>
-void render_pixel(const PathIntegrator<kFeatures>& integrator, const RenderStorage& storage,
-                  PixelSampler& sampler, std::uint32_t x, std::uint32_t y, TileStatistics& statistics) {
+void render_pixel(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+                  PixelSamplerOf<WideFloat>& sampler, std::uint32_t x, std::uint32_t y,
+                  TileStatistics& statistics) {
+  using F = WideFloat;
   const std::uint32_t pixel = y * storage.job.width + x;
   PixelSum& sum = storage.pixels[pixel];
   ReplayContext& context = replay_context();
   const std::uint64_t count = storage.job.samples_per_pixel;
   const std::uint32_t sequences = sequences_in(x, y);
   for (std::uint32_t sequence = 0; sequence < sequences; ++sequence) {
-    for (std::uint64_t i = 0; i < count; ++i) {
-      context.step = sequence * count + i;
-      sampler.start(x, y, static_cast<std::uint32_t>(i), 2 * storage.round + sequence);
-      integrator.evaluate(sampler, [&](const Splat& splat) {
-        MLT_CHECK_OP(splat.pixel, ==, pixel);
-        const bool rejected = statistics.defects.reject(splat.value);
-        if (!rejected) sum.add(splat.value, half_of_sequence(i, count), sequence == 0 ? 1 : -1);
-        // The mean over the image weighs pixels alike, so the second sequence stays out of it.
-        if (sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
-      });
-      statistics.primary_samples += sampler.dimension();
+    const int sign = sequence == 0 ? 1 : -1;
+    for (std::uint64_t first = 0; first < count; first += kWideLanes) {
+      context.step = sequence * count + first;
+      sampler.start(x, y, static_cast<std::uint32_t>(first), 2 * storage.round + sequence);
+      const MaskOf<F> active = first_lanes<F>(count - first);
+      integrator.evaluate(
+          sampler,
+          [&](const SplatOf<F>& splats, MaskOf<F> lanes) {
+            for_lanes(lanes, [&](int lane) {
+              MLT_CHECK_OP(lane_of(splats.pixel, lane), ==, pixel);
+              const Vec3 value = lane_of(splats.value, lane);
+              const bool rejected = statistics.defects.reject(value);
+              const std::uint64_t index = first + static_cast<std::uint64_t>(lane);
+              if (!rejected) sum.add(value, half_of_sequence(index, count), sign);
+              // The mean over the image weighs pixels alike, so the second sequence stays out of it.
+              if (sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(value));
+            });
+          },
+          active);
+      const UintOf<F> dimensions = sampler.dimension();
+      for_lanes(active, [&](int lane) { statistics.primary_samples += lane_of(dimensions, lane); });
     }
   }
   statistics.samples += sequences * count;
@@ -92,8 +128,8 @@ template <FeatureMask kFeatures>
 void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const RenderJob& job = storage.job;
-  const PathIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  PixelSampler sampler(job.seed, job.width, job.height, job.samples_per_pixel);
+  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  PixelSamplerOf<WideFloat> sampler(job.seed, job.width, job.height, job.samples_per_pixel);
   const std::uint32_t tiles_across = tile_count(job.width);
   const std::uint32_t first_x = static_cast<std::uint32_t>(tile % tiles_across) * kTileSide;
   const std::uint32_t first_y = static_cast<std::uint32_t>(tile / tiles_across) * kTileSide;
@@ -117,13 +153,16 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
 
 template <FeatureMask kFeatures>
 Kernel make_kernel() {
-  using Integrator = PathIntegrator<kFeatures>;
+  using Integrator = WideIntegrator<kFeatures>;
   Kernel kernel;
   kernel.primary_sample_capacity = &Integrator::primary_sample_capacity;
   kernel.max_splats = Integrator::kMaxSplats;
   kernel.bootstrap_chunk = &run_bootstrap_chunk<kFeatures>;
   kernel.tile = &run_tile<kFeatures>;
-  kernel.chain = &run_chain<kFeatures>;
+  kernel.chain_group = &run_chain_group<kFeatures>;
+  kernel.lanes = kWideLanes;
+  kernel.sample_bytes = sizeof(PrimarySampleOf<WideFloat>);
+  kernel.saved_bytes = sizeof(SavedSampleOf<WideFloat>);
   return kernel;
 }
 

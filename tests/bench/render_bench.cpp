@@ -49,21 +49,26 @@ double millions_a_second(const Job& job) {
 double mutation_nanoseconds() {
   constexpr std::uint32_t kSamples = 30;
   constexpr int kSteps = 200000;
-  std::vector<PrimarySample> samples(kSamples);
-  std::vector<SavedSample> saved(kSamples);
-  PrimarySampleVector vector(
-      samples, saved, Rng(1, StreamPurpose::kTest, 0),
-      StepSource(BlockRng(1, StreamPurpose::kTest, 1), &Mutation<MutationKind::kelemen>::fill<BlockRng>, 1));
-  std::uint32_t sum = 0;
+  using F = WideFloat;
+  std::vector<PrimarySampleOf<F>> samples(kSamples);
+  std::vector<SavedSampleOf<F>> saved(kSamples);
+  PrimarySampleVectorOf<F> vector(samples, saved, &Mutation<MutationKind::kelemen>::fill<BlockRng>, 1);
+  for (int lane = 0; lane < kWideLanes; ++lane) {
+    const auto index = static_cast<std::uint64_t>(lane);
+    vector.set_lane(lane, Rng(1, StreamPurpose::kTest, index), BlockRng(2, StreamPurpose::kTest, index));
+  }
+  UintOf<F> sum{};
   const double begin = cpu_seconds();
   for (int step = 0; step < kSteps; ++step) {
-    vector.begin_proposal(step % 64 == 0);
+    // Large steps are not simultaneous in all lanes.
+    vector.begin_proposal(one_lane<F>(step % kWideLanes) &
+                          first_lanes<F>(step % 64 < kWideLanes ? kWideLanes : 0));
     for (std::uint32_t i = 0; i < kSamples; ++i) sum += vector.next_fixed();
     vector.accept();
   }
   const double seconds = cpu_seconds() - begin;
   // The sum keeps the loop from being removed.
-  return sum == 1 ? 0.0 : 1e9 * seconds / kSteps;
+  return sum[0] == 1 ? 0.0 : 1e9 * seconds / kSteps / kWideLanes;
 }
 
 /// One draw of the scalar generator, each of which waits for the one before: a measure of the core's clock.

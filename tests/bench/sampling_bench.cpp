@@ -22,7 +22,7 @@ constexpr std::uint32_t kSamples = 64;
 constexpr FeatureMask kAllButRoulette = (kFeatureMaskCount - 1) & ~feature(FeatureBit::roulette);
 
 /// Jittered film coordinates within the pixel, all else independent.
-class RandomPixelSampler : public FloatSamples<RandomPixelSampler> {
+class RandomPixelSampler : public FloatSamples<RandomPixelSampler, float> {
  public:
   explicit RandomPixelSampler(std::uint64_t seed) : rng_(seed, StreamPurpose::kTest, 0) {}
   void start(std::uint32_t x, std::uint32_t y, std::uint32_t) {
@@ -30,13 +30,13 @@ class RandomPixelSampler : public FloatSamples<RandomPixelSampler> {
     y_ = y;
     dimension_ = 0;
   }
-  std::uint32_t next_fixed() {
+  std::uint32_t next_fixed(bool = true) {
     dimension_ += 1;
     if (dimension_ > 2) return rng_.next_fixed();
     const std::uint64_t pixel = dimension_ == 1 ? x_ : y_;
     return static_cast<std::uint32_t>((pixel << 32 | rng_.next_fixed()) / kSide);
   }
-  void skip(std::uint32_t) {}
+  void skip(std::uint32_t, bool = true) {}
 
  private:
   Rng rng_;
@@ -57,7 +57,8 @@ Picture render(const World& world, std::uint32_t depth, Sampler sampler, const R
     for (std::uint32_t x = 0; x < kSide; ++x) {
       for (std::uint32_t i = 0; i < kSamples; ++i) {
         sampler.start(x, y, i);
-        integrator.evaluate(sampler, [&](const Splat& splat) { sums[splat.pixel].add(splat.value, 0, 1); });
+        integrator.evaluate(sampler,
+                            [&](const Splat& splat, bool) { sums[splat.pixel].add(splat.value, 0, 1); });
       }
     }
   }

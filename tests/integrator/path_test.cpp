@@ -47,15 +47,15 @@ Rng stream(std::uint64_t index) {
 }
 
 /// Counts the positions that a path passes, drawn or skipped, and what it drew.
-class CountingSampler : public FloatSamples<CountingSampler> {
+class CountingSampler : public FloatSamples<CountingSampler, float> {
  public:
   explicit CountingSampler(Rng rng) : rng_(rng) {}
-  std::uint32_t next_fixed() {
+  std::uint32_t next_fixed(bool = true) {
     position_ += 1;
     drawn_ += 1;
     return rng_.next_fixed();
   }
-  void skip(std::uint32_t count) { position_ += count; }
+  void skip(std::uint32_t count, bool = true) { position_ += count; }
   std::uint32_t position() const { return position_; }
   std::uint32_t drawn() const { return drawn_; }
 
@@ -66,14 +66,14 @@ class CountingSampler : public FloatSamples<CountingSampler> {
 };
 
 /// Replays a fixed list of primary samples; skip() passes over them as a chain's vector does.
-class ListSampler : public FloatSamples<ListSampler> {
+class ListSampler : public FloatSamples<ListSampler, float> {
  public:
   explicit ListSampler(std::uint64_t index) {
     Rng rng = stream(index);
     for (std::uint32_t& value : values_) value = rng.next_fixed();
   }
-  std::uint32_t next_fixed() { return values_[position_++]; }
-  void skip(std::uint32_t count) { position_ += count; }
+  std::uint32_t next_fixed(bool = true) { return values_[position_++]; }
+  void skip(std::uint32_t count, bool = true) { position_ += count; }
 
  private:
   std::uint32_t values_[256] = {};
@@ -85,7 +85,7 @@ Vec3 radiance(const World& world, const PathSettings& settings, Sampler& sampler
   const PathIntegrator<kFeatures> integrator(world, settings);
   Vec3 value{-1, -1, -1};
   int splats = 0;
-  integrator.evaluate(sampler, [&](const Splat& splat) {
+  integrator.evaluate(sampler, [&](const Splat& splat, bool) {
     value = splat.value;
     splats += 1;
     CHECK(splat.pixel < kSide * kSide);
@@ -108,7 +108,7 @@ Moments luminance_moments(const World& world, const PathSettings& settings, std:
   values.reserve(paths);
   for (std::size_t i = 0; i < paths; ++i) {
     IndependentSampler sampler(stream(first + i));
-    integrator.evaluate(sampler, [&](const Splat& splat) { values.push_back(luminance(splat.value)); });
+    integrator.evaluate(sampler, [&](const Splat& splat, bool) { values.push_back(luminance(splat.value)); });
   }
   return moments(values);
 }

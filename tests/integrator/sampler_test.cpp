@@ -7,9 +7,9 @@ namespace mlt::test {
 namespace {
 
 /// Hands out one value.
-struct FixedSampler : FloatSamples<FixedSampler> {
+struct FixedSampler : FloatSamples<FixedSampler, float> {
   std::uint32_t value = 0;
-  std::uint32_t next_fixed() { return value; }
+  std::uint32_t next_fixed(bool = true) { return value; }
 };
 
 TEST_CASE("pitfall 1: no primary sample reaches 1 as a float") {

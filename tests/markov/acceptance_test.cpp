@@ -14,7 +14,7 @@ namespace {
 struct TwoDraws {
   std::uint32_t first = 0, second = 0;
   int drawn = 0;
-  std::uint32_t next_fixed() { return drawn++ == 0 ? first : second; }
+  std::uint32_t next_fixed(bool) { return drawn++ == 0 ? first : second; }
 };
 
 bool happens_for(std::uint32_t first, std::uint32_t second, float probability) {
@@ -56,7 +56,7 @@ TEST_CASE("a decision compares 64 random bits with the probability") {
 /// be counted.
 struct SmallNumbers {
   Rng rng{1, StreamPurpose::kTest, 0};
-  std::uint32_t next_fixed() { return rng.next_fixed() & 0xffffU; }
+  std::uint32_t next_fixed(bool) { return rng.next_fixed() & 0xffffU; }
 };
 
 TEST_CASE("small probabilities happen as often as they should") {

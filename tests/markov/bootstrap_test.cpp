@@ -16,8 +16,9 @@ namespace {
 struct UnevenToy {
   static constexpr std::uint32_t kMaxSplats = 1;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     const float u = sampler.next();
     const float v = sampler.next();
     if (u < 0.25f) sink(Splat{0, Vec3{0.01f + std::pow(v, 12.0f) * 100.0f}});
@@ -32,7 +33,9 @@ std::vector<double> all_targets(std::uint64_t seed, std::uint64_t paths) {
   DefectCounts defects;
   for (std::uint64_t i = 0; i < paths; ++i) {
     IndependentSampler sampler(bootstrap_stream(seed, i));
-    evaluate_into(toy, sampler, contribution, defects);
+    evaluate_into(
+        toy, sampler, true, [&](int) -> Contribution& { return contribution; },
+        [&](int) -> DefectCounts& { return defects; });
     targets.push_back(contribution.target());
   }
   return targets;
@@ -114,8 +117,7 @@ TEST_CASE("one chunk, and light in the first or last chunk only") {
 SeedPath seed_path_at(const ToyBootstrap& bootstrap, std::uint64_t seed, std::uint64_t paths,
                       double position) {
   std::array<Splat, 1> splats;
-  Contribution contribution(splats);
-  return find_seed_path(UnevenToy{}, seed, paths, bootstrap.chunks, position, contribution);
+  return find_seed_path(UnevenToy{}, seed, paths, bootstrap.chunks, position, splats);
 }
 
 TEST_CASE("position 0 is the first path that carries light, the total the last") {

@@ -24,8 +24,9 @@ struct RecordingToy {
   static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable std::vector<std::uint32_t> log;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     log.push_back(sampler.next_fixed());
     sink(Splat{0, Vec3{1}});
   }
@@ -107,8 +108,9 @@ struct HalvingToy {
   static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable bool started = false;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     sampler.next_fixed();
     sink(started ? Splat{1, Vec3{0.5f}} : Splat{0, Vec3{1}});
     started = true;
@@ -223,8 +225,9 @@ struct DriftingToy {
   int drifting_call;
   mutable int calls = 0;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     const float value = 1.0f + sampler.next();
     sink(Splat{0, Vec3{calls++ == drifting_call ? value * (1 + 0x1p-20f) : value}});
   }
@@ -252,8 +255,9 @@ struct CliffToy {
   static constexpr std::uint32_t kCapacity = 1, kMaxSplats = 1;
   mutable bool started = false;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     sampler.next_fixed();
     sink(Splat{0, Vec3{started ? 0x1p-26f : 1.0f}});
     started = true;

@@ -92,8 +92,9 @@ class FaultyToy {
   static constexpr std::size_t kKinds = 5;
   mutable std::array<std::uint64_t, kKinds> injected{};
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     const double chance = static_cast<double>(mix64(sampler.next_fixed()) >> 32) * 0x1p-32;
     const auto kind = static_cast<std::size_t>(std::min(chance / kRate, static_cast<double>(kKinds)));
     if (kind == kKinds) {
@@ -166,8 +167,9 @@ struct ScriptedToy {
   std::vector<float> values;
   mutable std::size_t next = 0;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     sampler.next_fixed();
     sink(Splat{0, Vec3{values[std::min(next++, values.size() - 1)]}});
   }

@@ -121,8 +121,9 @@ TEST_CASE("samples that a path skips are distributed as if it had drawn them") {
 struct TwoSpikes {
   static constexpr std::uint32_t kPixels = 2, kCapacity = 2, kMaxSplats = 1;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     const float u = sampler.next();
     const float v = sampler.next();
     if (u >= 0.25f && u < 0.25f + kFirstWidth) sink(Splat{0, Vec3{kFirstHeight * 2.0f * v}});

@@ -131,11 +131,10 @@ TEST_CASE("a step leaves the uniform distribution uniform, and wraps exactly") {
 /// Mutates two samples `mutations` times; the largest value that either form of a sample has taken.
 template <MutationKind kKind>
 float largest_sample(std::uint64_t mutations) {
-  std::array<PrimarySample, 2> samples;
-  std::array<SavedSample, 2> saved;
-  PrimarySampleVector vector(
-      samples, saved, Rng(3, StreamPurpose::kTest, 0),
-      StepSource(BlockRng(3, StreamPurpose::kTest, 1), &Mutation<kKind>::template fill<BlockRng>, 1));
+  std::array<PrimarySampleOf<float>, 2> samples;
+  std::array<SavedSampleOf<float>, 2> saved;
+  PrimarySampleVector vector(samples, saved, &Mutation<kKind>::template fill<BlockRng>, 1);
+  vector.set_lane(0, Rng(3, StreamPurpose::kTest, 0), BlockRng(3, StreamPurpose::kTest, 1));
   float largest = 0;
   float smallest = 1;
   for (std::uint64_t i = 0; i < mutations / 2; ++i) {

@@ -21,7 +21,7 @@ struct ToyJob {
   float large_step = 0.3f;
   float step_size = 1;
   float weight_b = 0;  ///< the frozen b of the weights; 0: what the bootstrap finds
-  std::uint64_t first_time = 1;
+  std::uint32_t first_time = 1;
 };
 
 struct ToyBootstrap {
@@ -33,12 +33,10 @@ struct ToyBootstrap {
 template <class Integrator>
 ToyBootstrap run_bootstrap(const Integrator& integrator, std::uint64_t seed, std::uint64_t paths) {
   std::array<Splat, Integrator::kMaxSplats> splats;
-  Contribution contribution(splats);
   ToyBootstrap bootstrap;
   bootstrap.chunks.resize(bootstrap_chunk_count(paths));
   for (std::uint64_t i = 0; i < bootstrap.chunks.size(); ++i) {
-    bootstrap.chunks[i] =
-        evaluate_bootstrap_chunk(integrator, seed, i, paths, contribution, bootstrap.defects);
+    bootstrap.chunks[i] = evaluate_bootstrap_chunk(integrator, seed, i, paths, splats, bootstrap.defects);
   }
   bootstrap.moments = accumulate_bootstrap(bootstrap.chunks, paths);
   return bootstrap;
@@ -48,30 +46,30 @@ template <class Integrator>
 SeedPath seed_path_of_chain(const Integrator& integrator, const ToyJob& job, const ToyBootstrap& bootstrap,
                             std::uint64_t chain) {
   std::array<Splat, Integrator::kMaxSplats> splats;
-  Contribution contribution(splats);
   const double position = seed_position(job.seed, 0, chain, job.chains, bootstrap.moments.sum);
-  return find_seed_path(integrator, job.seed, job.bootstrap, bootstrap.chunks, position, contribution);
+  return find_seed_path(integrator, job.seed, job.bootstrap, bootstrap.chunks, position, splats);
 }
 
 /// One chain with storage of its own.
 template <class Mutation, class Integrator, class Film>
 ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float weight_b,
                           std::uint64_t chain_index, const SeedPath& start, Film& film) {
-  std::array<PrimarySample, Integrator::kCapacity> samples;
-  std::array<SavedSample, Integrator::kCapacity> saved;
+  std::array<PrimarySampleOf<float>, Integrator::kCapacity> samples;
+  std::array<SavedSampleOf<float>, Integrator::kCapacity> saved;
   std::array<Splat, Integrator::kMaxSplats> current, proposed;
   ChainSettings settings;
   settings.seed = job.seed;
-  settings.chain_index = chain_index;
-  settings.mutations = job.mutations;
   settings.large_step = job.large_step;
   settings.weight_b = weight_b;
   settings.fill_steps = &Mutation::template fill<BlockRng>;
   settings.step_size = job.step_size;
   settings.first_time = job.first_time;
-  const ChainWorkspace workspace{samples, saved, current, proposed};
-  Chain<Integrator, Film> chain(integrator, settings, workspace, film);
-  return chain.run(start);
+  const ChainTask task{chain_index, job.mutations, start};
+  ChainStatistics statistics;
+  ChainGroup<Integrator, Film> chain(integrator, settings, {samples, saved, current, proposed}, {&task, 1},
+                                     {&film, 1});
+  chain.run({&statistics, 1});
+  return statistics;
 }
 
 inline float weight_b_of(const ToyJob& job, const ToyBootstrap& bootstrap) {

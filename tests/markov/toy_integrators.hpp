@@ -30,8 +30,9 @@ class SmoothToy {
   static constexpr std::uint32_t kCapacity = 8;
   static constexpr std::uint32_t kMaxSplats = 3;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     const std::uint32_t fixed_x = sampler.next_fixed();
     const std::uint32_t fixed_y = sampler.next_fixed();
     const std::uint32_t pixel = part_of(fixed_y, kHeight) * kWidth + part_of(fixed_x, kWidth);
@@ -110,8 +111,9 @@ struct ConstantToy {
   static constexpr std::uint32_t kPixels = 1, kCapacity = kSamples, kMaxSplats = 1;
   float value = 1;
 
+  using Float = float;
   template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink) const {
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
     for (std::uint32_t i = 0; i < kSamples; ++i) sampler.next_fixed();
     sink(Splat{0, Vec3{value}});
   }

@@ -73,20 +73,20 @@ TEST_CASE("Fresnel reflectance of a conductor agrees with the complex closed for
 
 TEST_CASE("Fresnel reflectances of the literature", "[fresnel]") {
   // Normal incidence, ((n-1)/(n+1))^2: 4 % for glass of 1.5, 2 % for water, 17.2 % for diamond.
-  CHECK(fresnel_dielectric(1, 1, 1.5f) == Approx(0.04).epsilon(1e-6));
-  CHECK(fresnel_dielectric(1, 1, 1.333f) == Approx(0.020373).epsilon(1e-4));
-  CHECK(fresnel_dielectric(1, 1, 2.417f) == Approx(0.17198).epsilon(1e-4));
+  CHECK(fresnel_dielectric(1.0f, 1.0f, 1.5f) == Approx(0.04).epsilon(1e-6));
+  CHECK(fresnel_dielectric(1.0f, 1.0f, 1.333f) == Approx(0.020373).epsilon(1e-4));
+  CHECK(fresnel_dielectric(1.0f, 1.0f, 2.417f) == Approx(0.17198).epsilon(1e-4));
   // Brewster's angle, tan = n: only the s polarisation is left, (n^2-1)^2/(n^2+1)^2.
   const auto cos_b = static_cast<float>(1 / std::sqrt(1 + 1.5 * 1.5));
   const auto sin_b = static_cast<float>(1.5 / std::sqrt(1 + 1.5 * 1.5));
   CHECK(fresnel_dielectric(cos_b, sin_b, 1.5f) == Approx(0.5 * (1.25 * 1.25) / (3.25 * 3.25)).epsilon(1e-6));
   // Metals in sodium light [Born99 table 14.1]: gold, n = 0.47 and n kappa = 2.83, reflects 81.5 %; silver,
   // 0.20 and 3.44, 94 %.
-  CHECK(fresnel_conductor(1, 0, 0.47f, 2.83f) == Approx(0.815).margin(5e-4));
-  CHECK(fresnel_conductor(1, 0, 0.20f, 3.44f) == Approx(0.94).margin(5e-3));
+  CHECK(fresnel_conductor(1.0f, 0.0f, 0.47f, 2.83f) == Approx(0.815).margin(5e-4));
+  CHECK(fresnel_conductor(1.0f, 0.0f, 0.20f, 3.44f) == Approx(0.94).margin(5e-3));
   // Everything is reflected at grazing incidence.
-  CHECK(fresnel_conductor(0, 1, 0.47f, 2.83f) == 1.0f);
-  CHECK(fresnel_conductor(0, 1, 1.0f, 0.0f) == 1.0f);
+  CHECK(fresnel_conductor(0.0f, 1.0f, 0.47f, 2.83f) == 1.0f);
+  CHECK(fresnel_conductor(0.0f, 1.0f, 1.0f, 0.0f) == 1.0f);
 }
 
 TEST_CASE("a conductor without absorption is a dielectric", "[fresnel]") {

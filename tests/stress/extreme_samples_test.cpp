@@ -31,17 +31,17 @@ constexpr std::uint32_t kEnds[] = {0U,          1U,          0xffU,       0x100U
                                    0xffffff01U, 0xffffffffU};
 
 /// Draws from kEnds, and now and then from everywhere, so that paths reach all of the scene.
-class EndSampler : public FloatSamples<EndSampler> {
+class EndSampler : public FloatSamples<EndSampler, float> {
  public:
   EndSampler(std::uint64_t path, std::uint32_t random_in_16)
       : rng_(1, StreamPurpose::kTest, path), random_in_16_(random_in_16) {}
 
-  std::uint32_t next_fixed() {
+  std::uint32_t next_fixed(bool = true) {
     const std::uint32_t choice = rng_.next_fixed();
     if ((choice & 15U) < random_in_16_) return rng_.next_fixed();
     return kEnds[(choice >> 4) % std::size(kEnds)];
   }
-  void skip(std::uint32_t) {}
+  void skip(std::uint32_t, bool = true) {}
 
  private:
   Rng rng_;
@@ -60,7 +60,7 @@ Extremes trace_extremes(const SceneDescription& scene, std::uint32_t roulette, s
   Extremes result;
   for (std::uint64_t path = 0; path < paths; ++path) {
     EndSampler sampler(path, static_cast<std::uint32_t>(path % 12));
-    integrator.evaluate(sampler, [&result](const Splat& splat) {
+    integrator.evaluate(sampler, [&result](const Splat& splat, bool) {
       if (splat.pixel >= kSide * kSide) ++result.outside;
       if (result.defects.reject(splat.value)) return;
       if (!is_zero(splat.value)) ++result.lit;

@@ -1,0 +1,351 @@
+// A flat list of polygons against as many rays as there are lanes: the fast test goes polygon by polygon
+// over all rays (flat_list.hpp), then each ray meets the test that defines hits (quad_block.hpp) with the
+// polygon that seems nearest to it. Rays on which that leaves doubt, few of them, are told by a mask; they
+// are to be asked one by one. All others get the bits that one ray gets.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+
+#include "geometry/flat_list.hpp"
+#include "geometry/surface.hpp"
+#include "math/gather.hpp"
+
+namespace mlt {
+
+/// RayLanes, RayShear and RaySlabs (ray_frame.hpp) of many rays.
+template <class F>
+struct WideRayFrame {
+  const RayOf<F>& ray;
+  Vec3Of<F> size;  ///< |direction|
+  F longest;       ///< its largest component
+  F distance;      ///< largest component of |origin|
+
+  MLT_INLINE explicit WideRayFrame(const RayOf<F>& r)
+      : ray(r),
+        size(magnitudes(r.direction)),
+        longest(largest(size)),
+        distance(largest(magnitudes(r.origin))) {}
+
+  MLT_INLINE static Vec3Of<F> magnitudes(const Vec3Of<F>& v) {
+    return {magnitude(v.x), magnitude(v.y), magnitude(v.z)};
+  }
+  MLT_INLINE static F largest(const Vec3Of<F>& v) { return larger(larger(v.x, v.y), v.z); }
+};
+
+/// A vector's components in the order of a ray's sheared axes.
+template <class F>
+struct AxisOrder {
+  MaskOf<F> is_x, is_y;  ///< the direction's first largest component; z where neither
+
+  MLT_INLINE explicit AxisOrder(const WideRayFrame<F>& frame)
+      : is_x(frame.size.x == frame.longest), is_y(not_in(is_x) & (frame.size.y == frame.longest)) {}
+
+  template <class T>
+  MLT_INLINE T first(const T& x, const T& y, const T& z) const {
+    return select(is_x, y, select(is_y, z, x));
+  }
+  template <class T>
+  MLT_INLINE T second(const T& x, const T& y, const T& z) const {
+    return select(is_x, z, select(is_y, x, y));
+  }
+  template <class T>
+  MLT_INLINE T last(const T& x, const T& y, const T& z) const {
+    return select(is_x, x, select(is_y, y, z));
+  }
+};
+
+/// Where each ray meets its polygon; as QuadHit.
+template <class F>
+struct WideQuadHit {
+  F t;
+  F weight_middle, weight_c;
+  MaskOf<F> second;
+  MaskOf<F> met;
+  MaskOf<F> in_doubt;
+};
+
+/// Polygon slot[i] of `list` for lane i.
+template <class F>
+class PolygonRef {
+ public:
+  MLT_INLINE PolygonRef(const FlatList& list, UintOf<F> slot)
+      : first_(list.polygons[0]), offset_(slot * static_cast<std::uint32_t>(sizeof(FlatPolygon))) {}
+
+  /// The corners' coordinates along one axis (0 to 2).
+  MLT_INLINE Rows<F> corners(UintOf<F> axis) const {
+    return gather_rows<F>(&first_.quad.corners[0][0], offset_ + axis * 16U);
+  }
+  MLT_INLINE Rows<F> corners(std::uint32_t axis) const {
+    return gather_rows<F>(&first_.quad.corners[axis][0], offset_);
+  }
+  /// The unit normal, and the primitive's bits.
+  MLT_INLINE Rows<F> normal_row() const { return gather_rows<F>(&first_.quad.normal[0], offset_); }
+  /// The box's low corner and the slot's bits, and the high corner.
+  MLT_INLINE Rows<F> low_row() const { return gather_rows<F>(&first_.low[0], offset_); }
+  MLT_INLINE Rows<F> high_row() const { return gather_rows<F>(&first_.high[0], offset_); }
+
+ private:
+  static_assert(offsetof(QuadRecord, primitive) == offsetof(QuadRecord, normal) + 12);
+  static_assert(offsetof(FlatPolygon, slot) == offsetof(FlatPolygon, low) + 12);
+  const FlatPolygon& first_;
+  UintOf<F> offset_;
+};
+
+/// Largest absolute value of four.
+template <class F>
+MLT_INLINE F largest_magnitude(const F (&v)[4]) {
+  const F low = larger(magnitude(v[0]), magnitude(v[1]));
+  const F high = larger(magnitude(v[2]), magnitude(v[3]));
+  return larger(low, high);
+}
+
+/// The corners of each ray's polygon in its sheared frame.
+template <class F>
+struct ShearedCorners {
+  F x[4], y[4], z[4];
+  F inverse_z;
+
+  MLT_INLINE ShearedCorners(const PolygonRef<F>& polygon, const WideRayFrame<F>& frame) {
+    using U = UintOf<F>;
+    const AxisOrder<F> order(frame);
+    const Vec3Of<F>&o = frame.ray.origin, &d = frame.ray.direction;
+    const F direction_z = order.last(d.x, d.y, d.z);
+    const F shear_x = order.first(d.x, d.y, d.z) / direction_z;
+    const F shear_y = order.second(d.x, d.y, d.z) / direction_z;
+    inverse_z = 1.0f / direction_z;
+    const F origin_x = order.first(o.x, o.y, o.z), origin_y = order.second(o.x, o.y, o.z);
+    const F origin_z = order.last(o.x, o.y, o.z);
+    const U zero{}, one = broadcast_bits<U>(1), two = broadcast_bits<U>(2);
+    const Rows<F> row_z = polygon.corners(order.last(zero, one, two));
+    const Rows<F> row_x = polygon.corners(order.first(zero, one, two));
+    const Rows<F> row_y = polygon.corners(order.second(zero, one, two));
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; ++i) {
+      z[i] = row_z.column[i] - origin_z;
+      x[i] = (row_x.column[i] - origin_x) - shear_x * z[i];
+      y[i] = (row_y.column[i] - origin_y) - shear_y * z[i];
+    }
+  }
+};
+
+/// cross_quad for as many rays as there are lanes, each with a polygon of its own.
+template <class F>
+MLT_INLINE WideQuadHit<F> cross_quads(const ShearedCorners<F>& corners) {
+  using M = MaskOf<F>;
+  using U = UintOf<F>;
+  const F(&x)[4] = corners.x, (&y)[4] = corners.y, (&z)[4] = corners.z;
+  F edges[4];
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) edges[i] = edge_function(x[i], y[i], x[(i + 1) % 4], y[(i + 1) % 4]);
+  const F ca = edge_function(x[2], y[2], x[0], y[0]);
+  const F ac = edge_function(x[0], y[0], x[2], y[2]);
+
+  // As in cross_quad: the sign of ca divided out.
+  const U sign = as_bits(ca) & 0x80000000U;
+  F turned[4];
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) turned[i] = as_floats(as_bits(edges[i]) ^ sign);
+  const M inclined = (ca > 0.0f) | (ca < 0.0f);
+  const M missed =
+      inclined & ((turned[0] < 0.0f) | (turned[1] < 0.0f)) & ((turned[2] > 0.0f) | (turned[3] > 0.0f));
+  const M in_first = (turned[0] > 0.0f) & (turned[1] > 0.0f);
+  const M in_second = (turned[2] < 0.0f) & (turned[3] < 0.0f);
+  WideQuadHit<F> hit;
+  hit.in_doubt = not_in(missed) & not_in(M(inclined & (in_first | in_second)));
+
+  const F t_a = z[0] * corners.inverse_z, t_c = z[2] * corners.inverse_z;
+  const F t_middle = select(in_first, z[1], z[3]) * corners.inverse_z;
+  const F weight_a = select(in_first, edges[1], edges[2]);
+  const F weight_middle = select(in_first, ca, ac);
+  const F weight_c = select(in_first, edges[0], edges[3]);
+  const F depth = (weight_a * t_a + weight_middle * t_middle) + weight_c * t_c;
+  const M before = (t_a > 0.0f) & (t_middle > 0.0f) & (t_c > 0.0f);
+  const M behind = (t_a <= 0.0f) & (t_middle <= 0.0f) & (t_c <= 0.0f);
+  const M straddles = not_in(M(before | behind));
+  if (any(straddles)) {
+    const F reach_x = largest_magnitude(x), reach_y = largest_magnitude(y);
+    const F t[4] = {t_a, t_middle, t_c, t_c};
+    const F error = (reach_x * reach_y) * (largest_magnitude(t) * kDepthError);
+    hit.in_doubt |= not_in(missed) & straddles & not_in(M(magnitude(depth) > error));
+  }
+  const F scale = 1.0f / ((weight_a + weight_middle) + weight_c);
+  hit.t = depth * scale;
+  hit.weight_middle = weight_middle * scale;
+  hit.weight_c = weight_c * scale;
+  hit.second = not_in(in_first);
+  hit.met = not_in(M(missed | behind)) & (hit.t > 0.0f);
+  return hit;
+}
+
+/// Where the rays enter the padded boxes of their polygons; as box_entry.
+template <class F>
+MLT_INLINE F box_entries(const Rows<F>& low, const Rows<F>& high, const WideRayFrame<F>& frame,
+                         float extent) {
+  const F padding = (frame.distance + extent) * kBoxPadding;
+  const F smallest = frame.longest * kSmallestSlope + std::numeric_limits<float>::min();
+  const F* const origin = &frame.ray.origin.x;
+  const F* const direction = &frame.ray.direction.x;
+  const F* const size = &frame.size.x;
+  F most{};
+#pragma GCC unroll 3
+  for (int axis = 0; axis < 3; ++axis) {
+    const F inverse = 1.0f / with_sign_of(larger(size[axis], smallest), direction[axis]);
+    const F near_origin = origin[axis] + with_sign_of(padding, direction[axis]);
+    const MaskOf<F> backwards = (as_bits(direction[axis]) & 0x80000000U) != 0U;
+    const F plane = select(backwards, high.column[axis], low.column[axis]);
+    most = larger((plane - near_origin) * inverse, most);
+  }
+  return most;
+}
+
+/// As key_limit.
+template <class F>
+MLT_INLINE F key_limits(F limit) {
+  constexpr float kFarthest = 0x1p125f;
+  return as_floats(as_bits(smaller(limit, broadcast_to<F>(kFarthest))) +
+                   static_cast<std::uint32_t>(kFlatSlots));
+}
+
+/// Calls visit(block, lane) for each polygon of a list.
+template <class Visit>
+MLT_INLINE void for_polygons(const FlatList& list, Visit&& visit) {
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
+    const FlatBlock& block = list.blocks[i];
+    for (std::uint32_t lane = 0; lane < block.used; ++lane) visit(block, static_cast<int>(lane));
+  }
+}
+
+/// The least two of the keys seen so far, each a first distance with a slot in its lowest bits.
+template <class F>
+struct LeastKeys {
+  static constexpr float kNever = 0x1p126f;
+  static constexpr std::uint32_t kSlotBits = kFlatSlots - 1;
+  F least = broadcast_to<F>(kNever), next = least;
+
+  /// The order of arguments passes over NaN.
+  MLT_INLINE void add(F key) {
+    next = smaller(larger(least, key), next);
+    least = smaller(key, least);
+  }
+  MLT_INLINE UintOf<F> slot(MaskOf<F> active) const {
+    return select(active, as_bits(least) & kSlotBits, UintOf<F>{});
+  }
+};
+
+/// The best hits so far, as BestHit.
+template <class F>
+struct WideBestHit {
+  HitOf<F> hit;
+  F limit;
+  UintOf<F> tie_below{};
+
+  MLT_INLINE explicit WideBestHit(F t_max) : limit(t_max) {}
+
+  /// The test that defines hits, for one polygon of each ray in `active`. Returns where it is to be done one
+  /// by one.
+  MLT_INLINE MaskOf<F> visit(const FlatList& list, UintOf<F> slot, const WideRayFrame<F>& frame, float extent,
+                             MaskOf<F> active) {
+    const PolygonRef<F> polygon(list, slot);
+    const WideQuadHit<F> quad = cross_quads<F>(ShearedCorners<F>(polygon, frame));
+    const Rows<F> low = polygon.low_row();
+    const F entry = box_entries<F>(low, polygon.high_row(), frame, extent);
+    const F t = select(entry > quad.t, entry, quad.t);
+    const UintOf<F> primitive = as_bits(polygon.normal_row().column[3]);
+    const MaskOf<F> better = active & quad.met & ((t < limit) | ((t == limit) & (primitive < tie_below)));
+    limit = select(better, t, limit);
+    tie_below = select(better, primitive, tie_below);
+    hit.t = limit;
+    hit.primitive = select(better, primitive, hit.primitive);
+    hit.slot = select(better, as_bits(low.column[3]) | (mask_bits(quad.second) & kSecondTriangle), hit.slot);
+    hit.weights[0] = select(better, quad.weight_middle, hit.weights[0]);
+    hit.weights[1] = select(better, quad.weight_c, hit.weights[1]);
+    return active & quad.in_doubt;
+  }
+};
+
+/// The closest hits. Nothing is known of rays outside `active` or, on return, in `in_doubt`.
+template <class F>
+MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, float extent, MaskOf<F> active,
+                                   MaskOf<F>& in_doubt) {
+  const WideRayFrame<F> frame(ray);
+  const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
+  F keys[kFlatSlots];
+  int count = 0;
+  LeastKeys<F> found;
+  for_polygons(
+      list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
+        const auto bounds =
+            bound_hits<false, F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, found.least);
+        const UintOf<F> key =
+            (as_bits(bounds.first) & ~LeastKeys<F>::kSlotBits) | static_cast<std::uint32_t>(block.slot[lane]);
+        keys[count] = as_floats(key | mask_bits(bounds.rejected));
+        found.add(keys[count++]);
+      });
+
+  WideBestHit<F> best(ray.t_max);
+  in_doubt = MaskOf<F>{};
+  MaskOf<F> open = active & (found.least <= key_limits(best.limit));
+  while (any(open)) {
+    in_doubt |= best.visit(list, found.slot(open), frame, extent, open);
+    // Few rays have another polygon that they might meet as early.
+    open = open & (found.next <= key_limits(best.limit)) & not_in(in_doubt);
+    if (!any(open)) [[likely]]
+      break;
+    const F nearest = found.least;
+    found = LeastKeys<F>{};
+    for (int i = 0; i < count; ++i) found.add(as_floats(as_bits(keys[i]) | mask_bits(keys[i] <= nearest)));
+    open = open & (found.least <= key_limits(best.limit));
+  }
+  return best.hit;
+}
+
+/// Which rays the list blocks. Nothing is known of rays outside `active` or, on return, in `in_doubt`.
+template <class F>
+MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, float extent, MaskOf<F> active,
+                                   MaskOf<F>& in_doubt) {
+  using U = UintOf<F>;
+  const WideRayFrame<F> frame(ray);
+  const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
+  MaskOf<F> blocked{};
+  // Polygons on which there is doubt: mostly none, or the light at the segment's end.
+  MaskOf<F> doubted{}, doubted_twice{};
+  U doubtful{};
+  for_polygons(
+      list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
+        const auto bounds =
+            bound_hits<true, F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, ray.t_max);
+        blocked |= bounds.sure;
+        const MaskOf<F> possible = not_in(bounds.rejected);
+        doubted_twice |= doubted & possible;
+        doubted |= possible;
+        doubtful =
+            select(possible, broadcast_bits<U>(static_cast<std::uint32_t>(block.slot[lane])), doubtful);
+      });
+  doubted = active & doubted & not_in(blocked);
+  in_doubt = doubted & doubted_twice;
+  doubted = doubted & not_in(in_doubt);
+  if (any(doubted)) {
+    WideBestHit<F> met(ray.t_max);
+    in_doubt |= met.visit(list, select(doubted, doubtful, U{}), frame, extent, doubted);
+    blocked |= doubted & met.hit.found();
+  }
+  return blocked;
+}
+
+/// The points of hits on a list of polygons.
+template <class F>
+MLT_INLINE SurfacePointOf<F> flat_points(const FlatList& list, const HitOf<F>& hit) {
+  using V = Vec3Of<F>;
+  const PolygonRef<F> polygon(list, hit.slot & (kFlatSlots - 1U));
+  const Rows<F> x = polygon.corners(0U), y = polygon.corners(1U), z = polygon.corners(2U);
+  const Rows<F> normal = polygon.normal_row();
+  const MaskOf<F> second = (hit.slot & kSecondTriangle) != 0U;
+  const V middle{select(second, x.column[3], x.column[1]), select(second, y.column[3], y.column[1]),
+                 select(second, z.column[3], z.column[1])};
+  return polygon_point<F>(V{x.column[0], y.column[0], z.column[0]}, middle,
+                          V{x.column[2], y.column[2], z.column[2]},
+                          V{normal.column[0], normal.column[1], normal.column[2]}, hit);
+}
+
+}  // namespace mlt
