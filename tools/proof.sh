@@ -149,6 +149,9 @@ for combined in "$out"/kernel_set_*.o; do
   [ -e "$combined" ] || continue
   set=${combined##*/kernel_set_}
   check_code "${set%.o}"
+  # The choice of a set takes one without a table for one that the binary was linked without.
+  expect_empty "(a) symbols, ${set%.o}: the program holds the set" \
+    "$(nm "$out/film_hash" | grep -q " mlt_kernel_set_${set%.o}$" || echo "no mlt_kernel_set_${set%.o}")"
 done
 for job in "${jobs[@]}"; do
   read -ra options <<<"$job"

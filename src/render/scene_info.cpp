@@ -5,17 +5,6 @@
 namespace mlt {
 namespace {
 
-const char* instruction_set_name(InstructionSet set) {
-  switch (set) {
-#define MLT_CASE(name, help) \
-  case InstructionSet::name: \
-    return #name;
-    MLT_INSTRUCTION_SETS(MLT_CASE)
-#undef MLT_CASE
-  }
-  return "";
-}
-
 std::string list_materials(const WorldCounts& counts, bool used) {
   std::string text;
 #define MLT_APPEND(name)                                                                              \
