@@ -1,9 +1,9 @@
 # Builds mlt, its tests and everything that checks it.
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
-#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, fuzz, repro, proof, memcheck
+#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, feature-cost, fuzz, repro, proof
 #   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
-#   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
+#   make asan tsan  all tests under a sanitizer        make memcheck, tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
 # tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
 # V=1 prints whole commands.
@@ -40,7 +40,11 @@ CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
 CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g1 -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
-            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR)
+            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR) $(if $(findstring /kernel_group_,$@),$(KERNEL_INLINING))
+# g++ limits how far inlining lets a source grow. With the default of 40 % a kernel's code would depend on what else
+# its source holds, and a plain scene pay 3 % for features of others (tools/feature_cost.sh).
+# What is precompiled would bring its own limit along.
+KERNEL_INLINING := $(if $(findstring clang,$(CXX)),,--param inline-unit-growth=400)
 LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
 # OpenEXR is asked for by EXR=yes or the variant `exr`: its libraries would take 1.2 of the 16 MB of a small job.
 EXR      ?=
@@ -49,7 +53,7 @@ LIBS     ?= -lfmt $(IMAGE_LIBS)
 
 # A variant whose flags have changed is built anew: every object depends on this file.
 FLAGS_FILE := $(OUT)/flags
-FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(LDFLAGS) $(LIBS)
+FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(LDFLAGS) $(LIBS)
 ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
 $(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
   printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
@@ -76,7 +80,7 @@ SET_FLAGS_avx512 := -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mbm
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard calibration fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard feature-cost calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -132,7 +136,7 @@ $(OUT)/src/image/exr.o: private CONTRACT += -isystem /usr/include/OpenEXR -isyst
 $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) $(SOURCE_PCH) | deps
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(call READ_PCH,sources)) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(if $(findstring /kernel_group_,$@),,$(call READ_PCH,sources))) -c $< -o $@
 
 # Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
 # compiled without warnings.
@@ -309,6 +313,29 @@ bench: $(BENCHES) scenes
 bench-guard: $(OUT)/film_hash scenes | deps-extra
 	tools/bench_guard.sh $(OUT)
 
+# What a scene pays for features that it lacks, by instruction counts: film_hash as built with MLT_WITHOUT_FEATURE and
+# MLT_ALWAYS_FEATURE (include/integrator/features.hpp), of which only the kernels and their choice differ.
+ifneq ($(filter feature-cost,$(MAKECMDGOALS)),)
+FEATURES := $(shell sed -n 's/^ *X.\([a-z_]*\), .*/\1/p' include/integrator/features.hpp)
+endif
+FEATURE_BUILDS := $(foreach f,$(FEATURES),without_$(f) always_$(f))
+# $(call FEATURE_BUILD,folder,flag,sources that it concerns)
+define FEATURE_BUILD
+$(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE)
+	@mkdir -p $$(dir $$@)
+	$$(SAY) "  compile $$@"
+	$$(Q)$$(CXX) $$(CXXFLAGS) $(2) -c $$< -o $$@
+$(OUT)/$(1)/film_hash: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$(3)) $$(call objects,tests/repro/film_hash.cpp) \
+    $$(filter-out $$(KERNEL_SETS) $$(call objects,$(3)),$$(call stage_objects,render))
+	$$(SAY) "  link    $$@"
+	$$(Q)$$(CXX) $$(LDFLAGS) $$^ $$(filter-out $$(IMAGE_LIBS),$$(LIBS)) -o $$@
+endef
+$(foreach f,$(FEATURES),\
+  $(eval $(call FEATURE_BUILD,without_$(f),-DMLT_WITHOUT_FEATURE=$(f),$(filter src/render/kernel_group_%.cpp,$(call sources,render))))\
+  $(eval $(call FEATURE_BUILD,always_$(f),-DMLT_ALWAYS_FEATURE=$(f),src/render/scene_info.cpp)))
+feature-cost: $(OUT)/film_hash $(FEATURE_BUILDS:%=$(OUT)/%/film_hash) | deps-extra
+	tools/feature_cost.sh $(OUT) $(FEATURES)
+
 # The estimated error against the true one on every scene.
 calibration: build/mlt scenes
 	tools/calibration.sh build/mlt
@@ -340,4 +367,5 @@ clean:
 
 .SECONDARY:
 .DELETE_ON_ERROR:
--include $(wildcard $(OUT)/src/*/*.d $(EXTRA_SETS:%=$(OUT)/%/*/*.d) $(OUT)/tests/*/*.d $(OUT)/fault*/*.d)
+-include $(wildcard $(OUT)/src/*/*.d $(EXTRA_SETS:%=$(OUT)/%/*/*.d) $(OUT)/tests/*/*.d $(OUT)/fault*/*.d \
+           $(FEATURE_BUILDS:%=$(OUT)/%/render/*.d))
