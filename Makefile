@@ -1,9 +1,9 @@
 # Builds mlt, its tests and everything that checks it.
 #   make            build/mlt                          make demo     renders scenes/cornell_hidden.txt
 #   make test       all tests, lint and quick proofs   make unit T=math   the tests of one stage
-#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, fuzz, repro, proof, memcheck
+#   make slow       tests with the tag [.slow]         make scenes, refs, refs256, bench, feature-cost, fuzz, repro, proof
 #   make stress     numerical sweeps with their tables (docs/STABILITY.md); a short part runs in make test
-#   make asan tsan  all tests under a sanitizer        make tidy, format-check, clean
+#   make asan tsan  all tests under a sanitizer        make memcheck, tidy, format-check, clean
 # A variant is a compiler with flags; each has a folder of its own below build/ and a name, listed in
 # tools/variants.mk: `make VARIANT=clang test`. Its values can be overridden: `make VARIANT=mine OPT=-O3`.
 # V=1 prints whole commands.
@@ -40,7 +40,11 @@ CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
 CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g1 -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
-            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR)
+            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR) $(if $(findstring /kernel_group_,$@),$(KERNEL_INLINING))
+# g++ limits how far inlining lets a source grow. With the default of 40 % a kernel's code would depend on what else
+# its source holds, and a plain scene pay 3 % for features of others (tools/feature_cost.sh).
+# What is precompiled would bring its own limit along.
+KERNEL_INLINING := $(if $(findstring clang,$(CXX)),,--param inline-unit-growth=400)
 LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
 # OpenEXR is asked for by EXR=yes or the variant `exr`: its libraries would take 1.2 of the 16 MB of a small job.
 EXR      ?=
@@ -49,7 +53,7 @@ LIBS     ?= -lfmt $(IMAGE_LIBS)
 
 # A variant whose flags have changed is built anew: every object depends on this file.
 FLAGS_FILE := $(OUT)/flags
-FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(LDFLAGS) $(LIBS)
+FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(LDFLAGS) $(LIBS)
 ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
 $(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
   printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
@@ -66,14 +70,17 @@ stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)
 # Instruction sets beyond the variant's own (include/render/kernel_set.hpp). Sanitizers and link-time
 # optimisation do not survive the relocatable link.
 EXTRA_SETS := $(if $(findstring x86_64,$(shell $(CXX) -dumpmachine)),$(if \
-  $(or $(findstring -fsanitize,$(EXTRA)),$(findstring -flto,$(EXTRA)),$(findstring -m,$(EXTRA))),,avx2))
+  $(or $(findstring -fsanitize,$(EXTRA)),$(findstring -flto,$(EXTRA)),$(findstring -m,$(EXTRA))),,avx2 avx512))
 KERNEL_SETS := $(EXTRA_SETS:%=$(OUT)/kernel_set_%.o)
-SET_SOURCES := $(wildcard src/geometry/*.cpp src/world/*.cpp src/render/kernel*.cpp)
-SET_FLAGS_avx2 := -mavx2 -mfma -DMLT_KERNEL_SET=mlt_kernel_set_avx2
+SET_SOURCES := $(wildcard src/render/kernel*.cpp src/geometry/*.cpp src/world/*.cpp)
+# What include/render/instruction_set.hpp asks the processor for (the lint compares). No -mprefer-vector-width: with
+# 256, clang splits the kernels' explicit vectors of 16 lanes, and g++ only copies memory in smaller pieces.
+SET_FLAGS_avx2 := -mavx2 -mfma
+SET_FLAGS_avx512 := -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mbmi -mbmi2
 # Symbols of binding "unique", an extension of g++, would stay global.
 SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 
-.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard calibration fuzz fuzzers golden \
+.PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard feature-cost calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
 all: build/mlt
 
@@ -81,6 +88,9 @@ build/mlt: $(OUT)/mlt
 	@mkdir -p build
 	@ln -sf $(VARIANT)/mlt build/mlt
 
+# Without line numbers, three quarters of the file; names of functions stay for profilers. The reports of sanitizers
+# need both, and proofs read the objects and film_hash.
+$(OUT)/mlt: private LDFLAGS += $(if $(findstring -fsanitize,$(EXTRA)),,-Wl,--strip-debug)
 $(OUT)/mlt: $(call stage_objects,app) $(call objects,$(MAIN))
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
@@ -89,7 +99,7 @@ define KERNEL_SET
 $(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE) | deps
 	@mkdir -p $$(dir $$@)
 	$$(SAY) "  compile $$@"
-	$$(Q)$$(CXX) $$(CXXFLAGS) $$(SET_FLAGS) $$(SET_FLAGS_$(1)) -c $$< -o $$@
+	$$(Q)$$(CXX) $$(CXXFLAGS) $$(SET_FLAGS) $$(SET_FLAGS_$(1)) -DMLT_KERNEL_SET=mlt_kernel_set_$(1) -c $$< -o $$@
 
 $(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
 	$$(SAY) "  combine $$@"
@@ -98,6 +108,14 @@ $(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
 	@rm $$@.all
 endef
 $(foreach s,$(EXTRA_SETS),$(eval $(call KERNEL_SET,$(s))))
+# Blocks and nodes have eight lanes in both (math/simd.hpp), and what builds them is compiled once; rays are traced
+# by inline functions of the kernels.
+define SHARED_STAGE
+$(OUT)/avx512/$(1)/%.o: $(OUT)/avx2/$(1)/%.o
+	@mkdir -p $$(dir $$@)
+	@ln -f $$< $$@
+endef
+$(foreach s,geometry world,$(eval $(call SHARED_STAGE,$(s))))
 
 # Headers of the library and fmt take a fifth to a third of the time that most sources compile. g++ reads them
 # precompiled; other compilers, which the tests run with too, see to it that a source includes what it uses. In what
@@ -113,13 +131,12 @@ $(OUT)/sources.hpp.gch: $(FLAGS_FILE) | deps
 	@printf '#include <%s>\n' $(PCH_HEADERS) > $(OUT)/sources.hpp
 	$(Q)$(CXX) $(CXXFLAGS) -x c++-header $(OUT)/sources.hpp -o $@
 
-$(OUT)/src/image/exr.o: private CONTRACT += -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 # Private: what is precompiled for this source is so for all.
-$(OUT)/src/render/instruction_set.o: private CONTRACT += $(if $(filter avx2,$(EXTRA_SETS)),-DMLT_HAS_AVX2)
+$(OUT)/src/image/exr.o: private CONTRACT += -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) $(SOURCE_PCH) | deps
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
-	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(call READ_PCH,sources)) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(if $(findstring /kernel_group_,$@),,$(call READ_PCH,sources))) -c $< -o $@
 
 # Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
 # compiled without warnings.
@@ -172,8 +189,8 @@ $(OUT)/test_render: | build/scenes/made
 $(OUT)/test_app: | $(OUT)/mlt
 export MLT_BINARY := $(OUT)/mlt
 
-# What the proofs of fixed memory look at.
-PROVED := $(OUT)/film_hash $(foreach k,1 2 3 4 5 6,$(OUT)/film_hash_fault$(k)) $(OUT)/malloc_guard.so
+# What the proofs look at.
+PROVED := $(OUT)/mlt $(OUT)/film_hash $(foreach k,1 2 3 4 5 6,$(OUT)/film_hash_fault$(k)) $(OUT)/malloc_guard.so
 
 T ?= base
 unit: $(OUT)/test_$(T)
@@ -221,7 +238,7 @@ refs256: $(OUT)/make_refs scenes
 	$(OUT)/make_refs --large
 
 # The agreement of PSSMLT with the path tracer, when chains lose weight (include/base/planted_fault.hpp).
-WEIGHTED := $(filter src/render/kernel_group_%.cpp src/render/instruction_set.cpp,$(call sources,render))
+WEIGHTED := $(filter src/render/kernel_group_%.cpp,$(call sources,render))
 $(OUT)/fault7/%.o: src/%.cpp $(FLAGS_FILE)
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
@@ -296,6 +313,29 @@ bench: $(BENCHES) scenes
 bench-guard: $(OUT)/film_hash scenes | deps-extra
 	tools/bench_guard.sh $(OUT)
 
+# What a scene pays for features that it lacks, by instruction counts: film_hash as built with MLT_WITHOUT_FEATURE and
+# MLT_ALWAYS_FEATURE (include/integrator/features.hpp), of which only the kernels and their choice differ.
+ifneq ($(filter feature-cost,$(MAKECMDGOALS)),)
+FEATURES := $(shell sed -n 's/^ *X.\([a-z_]*\), .*/\1/p' include/integrator/features.hpp)
+endif
+FEATURE_BUILDS := $(foreach f,$(FEATURES),without_$(f) always_$(f))
+# $(call FEATURE_BUILD,folder,flag,sources that it concerns)
+define FEATURE_BUILD
+$(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE)
+	@mkdir -p $$(dir $$@)
+	$$(SAY) "  compile $$@"
+	$$(Q)$$(CXX) $$(CXXFLAGS) $(2) -c $$< -o $$@
+$(OUT)/$(1)/film_hash: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$(3)) $$(call objects,tests/repro/film_hash.cpp) \
+    $$(filter-out $$(KERNEL_SETS) $$(call objects,$(3)),$$(call stage_objects,render))
+	$$(SAY) "  link    $$@"
+	$$(Q)$$(CXX) $$(LDFLAGS) $$^ $$(filter-out $$(IMAGE_LIBS),$$(LIBS)) -o $$@
+endef
+$(foreach f,$(FEATURES),\
+  $(eval $(call FEATURE_BUILD,without_$(f),-DMLT_WITHOUT_FEATURE=$(f),$(filter src/render/kernel_group_%.cpp,$(call sources,render))))\
+  $(eval $(call FEATURE_BUILD,always_$(f),-DMLT_ALWAYS_FEATURE=$(f),src/render/scene_info.cpp)))
+feature-cost: $(OUT)/film_hash $(FEATURE_BUILDS:%=$(OUT)/%/film_hash) | deps-extra
+	tools/feature_cost.sh $(OUT) $(FEATURES)
+
 # The estimated error against the true one on every scene.
 calibration: build/mlt scenes
 	tools/calibration.sh build/mlt
@@ -327,4 +367,5 @@ clean:
 
 .SECONDARY:
 .DELETE_ON_ERROR:
--include $(wildcard $(OUT)/src/*/*.d $(EXTRA_SETS:%=$(OUT)/%/*/*.d) $(OUT)/tests/*/*.d $(OUT)/fault*/*.d)
+-include $(wildcard $(OUT)/src/*/*.d $(EXTRA_SETS:%=$(OUT)/%/*/*.d) $(OUT)/tests/*/*.d $(OUT)/fault*/*.d \
+           $(FEATURE_BUILDS:%=$(OUT)/%/render/*.d))

@@ -7,7 +7,8 @@
 #   (d) strace     between the two marks only the system calls on the list below occur
 #   (e) faults     no minor page fault occurs
 #   (f) valgrind   the heap is asked as often by 20 times the work
-# and shows each layer to see the fault planted for it: proof.sh build/<variant>
+# and shows each layer to see the fault planted for it; and that the program's file stays within its limit:
+#   proof.sh build/<variant>
 set -u
 export LC_ALL=C
 cd "$(dirname "$0")/.."
@@ -127,6 +128,14 @@ heap_of_units() {  # heap_of_units BINARY FACTOR
     chains=$((4 * $2)) spp=$((2 * $2))
 }
 
+# More kernels for more features and instruction sets must not make the program grow without bound.
+size_limit=8000000
+oversize() {  # oversize FILE: silent when it keeps to the limit
+  local bytes
+  bytes=$(stat -c %s "$1")
+  [ "$bytes" -le $size_limit ] || echo "$1 takes $bytes bytes, allowed are $size_limit"
+}
+
 # ---- the render itself ----
 
 # check_code SET: layers (a) and (b) for the kernels of one instruction set, the variant's own when empty.
@@ -149,6 +158,9 @@ for combined in "$out"/kernel_set_*.o; do
   [ -e "$combined" ] || continue
   set=${combined##*/kernel_set_}
   check_code "${set%.o}"
+  # The choice of a set takes one without a table for one that the binary was linked without.
+  expect_empty "(a) symbols, ${set%.o}: the program holds the set" \
+    "$(nm "$out/film_hash" | grep -q " mlt_kernel_set_${set%.o}$" || echo "no mlt_kernel_set_${set%.o}")"
 done
 for job in "${jobs[@]}"; do
   read -ra options <<<"$job"
@@ -162,6 +174,8 @@ once=$(heap_of_units "$out/film_hash" 1)
 more=$(heap_of_units "$out/film_hash" 20)
 [ -n "$once" ] && [ "$once" = "$more" ] && differs= || differs="1x: $once; 20x: $more"
 expect_empty "(f) valgrind: 20 times the work asks the heap as often" "$differs"
+expect_empty "size: the program takes $(stat -c %s "$out/mlt") bytes of at most $size_limit" \
+  "$(oversize "$out/mlt")"
 
 # ---- each layer sees its fault ----
 
@@ -184,5 +198,7 @@ caught "$(planted 4 "(e)")" "$([ "${found:-0}" -gt 0 ] && echo "$found")"
 once=$(heap_of_units "$out/film_hash_fault1" 1)
 more=$(heap_of_units "$out/film_hash_fault1" 20)
 caught "$(planted 1 "(f)")" "$([ "$once" = "$more" ] || echo "$once; $more")"
+truncate -s $((size_limit + 1)) "$work/oversize"
+caught "a file beyond the limit of size is caught" "$(oversize "$work/oversize")"
 
 closing

@@ -57,7 +57,9 @@ class FixedFilm {
         half_(half),
         writers_(writers) {}
 
-  void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight, double uniform_weight) {
+  /// Inline whatever else the source holds: left to the compiler, that depends on the number of its kernels.
+  [[gnu::always_inline]] inline void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight,
+                                           double uniform_weight) {
     MLT_CHECK_OP(pixel, <, pixels_.size());
     FilmPixel& target = pixels_[pixel];
     if (metropolis_weight != 0.0) add(target.metropolis, target.difference, value, metropolis_weight);

@@ -26,14 +26,29 @@ using FeatureMask = std::uint32_t;
 constexpr FeatureMask feature(FeatureBit bit) {
   return FeatureMask{1} << static_cast<std::uint32_t>(bit);
 }
+
+// For tools/feature_cost.sh, each the name of a feature: builds that have never heard of one, and builds in
+// which every scene pays for one.
+#ifdef MLT_WITHOUT_FEATURE
+inline constexpr FeatureMask kUnknownFeatures = feature(FeatureBit::MLT_WITHOUT_FEATURE);
+#else
+inline constexpr FeatureMask kUnknownFeatures = 0;
+#endif
+#ifdef MLT_ALWAYS_FEATURE
+inline constexpr FeatureMask kForcedFeatures = feature(FeatureBit::MLT_ALWAYS_FEATURE);
+#else
+inline constexpr FeatureMask kForcedFeatures = 0;
+#endif
+
 constexpr bool has(FeatureMask mask, FeatureBit bit) {
-  return (mask & feature(bit)) != 0;
+  return (mask & feature(bit) & ~kUnknownFeatures) != 0;
 }
 inline constexpr FeatureMask kFeatureMaskCount = FeatureMask{1}
                                                  << static_cast<std::uint32_t>(FeatureBit::count);
 
-/// A choice between lobes exists only among materials other than diffuse.
+/// Whether there is a kernel for it. A choice between lobes exists only among materials other than diffuse.
 constexpr bool is_consistent(FeatureMask mask) {
+  if ((mask & kUnknownFeatures) != 0) return false;
   return !has(mask, FeatureBit::lobe_choice) || has(mask, FeatureBit::general_materials);
 }
 

@@ -6,16 +6,24 @@
 
 namespace mlt {
 
-/// name, help text; in ascending order of preference.
-#define MLT_INSTRUCTION_SETS(X)                                     \
-  X(base, "what every processor of the machine's architecture has") \
-  X(avx2, "x86-64 with AVX2: eight lanes instead of four")
+/// name, help text, what the processor must have: the flags that the Makefile compiles the set with; in
+/// ascending order of preference. MLT_CPU_HAS is for src/render/instruction_set.cpp alone to define.
+#define MLT_INSTRUCTION_SETS(X)                                                                       \
+  X(base, "what every processor of the machine's architecture has", true)                             \
+  X(avx2, "x86-64 with AVX2: eight lanes instead of four", MLT_CPU_HAS("avx2") && MLT_CPU_HAS("fma")) \
+  X(avx512, "x86-64 with AVX-512: sixteen lanes where chains are lanes",                              \
+    MLT_CPU_HAS("avx512f") && MLT_CPU_HAS("avx512vl") && MLT_CPU_HAS("avx512dq") &&                   \
+        MLT_CPU_HAS("avx512bw") && MLT_CPU_HAS("avx2") && MLT_CPU_HAS("fma") && MLT_CPU_HAS("bmi") && \
+        MLT_CPU_HAS("bmi2"))
 
 enum class InstructionSet : std::uint8_t {
-#define MLT_ENUMERATE(name, help) name,
+#define MLT_ENUMERATE(name, help, condition) name,
   MLT_INSTRUCTION_SETS(MLT_ENUMERATE)
 #undef MLT_ENUMERATE
 };
+
+/// As `--isa` takes it.
+const char* instruction_set_name(InstructionSet set);
 
 /// Whether the binary holds code for it and the processor can run that.
 bool is_supported(InstructionSet set);

@@ -209,7 +209,7 @@ std::vector<std::string> command_names() {
   };
 }
 
-#define MLT_KIND(name, help) NamedKind{with_hyphens(#name), help},
+#define MLT_KIND(name, help, ...) NamedKind{with_hyphens(#name), help},
 const std::vector<NamedKind>& integrator_kinds() {
   static const std::vector<NamedKind> kinds{
       MLT_INTEGRATOR_KINDS(MLT_KIND){"auto", "the one of them that a short pilot render finds better"}};

@@ -3,30 +3,45 @@
 #include "base/assert.hpp"
 #include "render/kernel_set.hpp"
 
-extern "C" const mlt::KernelSet mlt_kernel_set_base;
-#ifdef MLT_HAS_AVX2
-extern "C" const mlt::KernelSet mlt_kernel_set_avx2;
+// A set that the binary was linked without has no address.
+#define MLT_DECLARE(name, help, condition) \
+  extern "C" [[gnu::weak]] const mlt::KernelSet mlt_kernel_set_##name;
+MLT_INSTRUCTION_SETS(MLT_DECLARE)
+#undef MLT_DECLARE
+
+#if defined(__x86_64__)
+#define MLT_CPU_HAS(feature) (__builtin_cpu_supports(feature) != 0)
+#else
+#define MLT_CPU_HAS(feature) false
 #endif
 
 namespace mlt {
 
+const char* instruction_set_name(InstructionSet set) {
+  switch (set) {
+#define MLT_CASE(name, help, condition) \
+  case InstructionSet::name:            \
+    return #name;
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
+  }
+  return "";
+}
+
 bool is_supported(InstructionSet set) {
   switch (set) {
-    case InstructionSet::base:
-      return true;
-    case InstructionSet::avx2:
-#ifdef MLT_HAS_AVX2
-      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-      return false;
-#endif
+#define MLT_CASE(name, help, condition) \
+  case InstructionSet::name:            \
+    return &mlt_kernel_set_##name != nullptr && (condition);
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
   }
   return false;
 }
 
 InstructionSet best_instruction_set() {
   InstructionSet best = InstructionSet::base;
-#define MLT_PREFER(name, help) \
+#define MLT_PREFER(name, help, condition) \
   if (is_supported(InstructionSet::name)) best = InstructionSet::name;
   MLT_INSTRUCTION_SETS(MLT_PREFER)
 #undef MLT_PREFER
@@ -35,9 +50,13 @@ InstructionSet best_instruction_set() {
 
 const KernelSet& kernel_set(InstructionSet set) {
   MLT_CHECK(is_supported(set));
-#ifdef MLT_HAS_AVX2
-  if (set == InstructionSet::avx2) return mlt_kernel_set_avx2;
-#endif
+  switch (set) {
+#define MLT_CASE(name, help, condition) \
+  case InstructionSet::name:            \
+    return mlt_kernel_set_##name;
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
+  }
   return mlt_kernel_set_base;
 }
 

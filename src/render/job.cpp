@@ -49,6 +49,15 @@ std::uint32_t available_threads() {
   return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&set)));
 }
 
+std::string supported_sets() {
+  std::string names;
+#define MLT_APPEND(name, help, condition) \
+  if (is_supported(InstructionSet::name)) names += (names.empty() ? "" : ", ") + std::string(#name);
+  MLT_INSTRUCTION_SETS(MLT_APPEND)
+#undef MLT_APPEND
+  return names;
+}
+
 void require_headroom(std::uint64_t mutations) {
   if (film_fraction_bits(mutations) >= kMinFractionBits) return;
   throw ResourceError("--mutations: the job makes " + std::to_string(mutations) +
@@ -134,7 +143,9 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
   job.film_memory = request.film_memory;
   job.instruction_set = request.instruction_set.value_or(best_instruction_set());
   checker.check(is_supported(job.instruction_set), "--isa",
-                "a set that this processor or binary does not have", "base, or nothing");
+                std::string(instruction_set_name(job.instruction_set)) +
+                    ", which this processor or this binary does not have",
+                supported_sets());
   checker.finish();
 
   if (metropolis) {

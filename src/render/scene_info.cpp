@@ -5,17 +5,6 @@
 namespace mlt {
 namespace {
 
-const char* instruction_set_name(InstructionSet set) {
-  switch (set) {
-#define MLT_CASE(name, help) \
-  case InstructionSet::name: \
-    return #name;
-    MLT_INSTRUCTION_SETS(MLT_CASE)
-#undef MLT_CASE
-  }
-  return "";
-}
-
 std::string list_materials(const WorldCounts& counts, bool used) {
   std::string text;
 #define MLT_APPEND(name)                                                                              \
@@ -49,7 +38,7 @@ FeatureMask find_features(const WorldCounts& counts, const RenderJob& job) {
     return counts.used_kinds[static_cast<std::size_t>(kind)] > 0;
   };
   const auto bit = [](FeatureBit which, bool present) { return present ? feature(which) : FeatureMask{0}; };
-  return bit(FeatureBit::general_geometry, Geometry::is_general(counts.geometry)) |
+  return kForcedFeatures | bit(FeatureBit::general_geometry, Geometry::is_general(counts.geometry)) |
          bit(FeatureBit::general_materials,
              used(MaterialKind::mirror) || used(MaterialKind::dielectric) || used(MaterialKind::conductor)) |
          bit(FeatureBit::lobe_choice, used(MaterialKind::dielectric)) |

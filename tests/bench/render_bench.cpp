@@ -111,11 +111,12 @@ double develop_nanoseconds() {
 }
 
 void add_rates(std::vector<BenchRow>& rows, const std::string& name, const SceneDescription& scene) {
-#define MLT_ENUMERATE(set, help) {InstructionSet::set, #set},
-  constexpr std::pair<InstructionSet, const char*> kSets[] = {MLT_INSTRUCTION_SETS(MLT_ENUMERATE)};
+#define MLT_ENUMERATE(set, help, condition) InstructionSet::set,
+  constexpr InstructionSet kSets[] = {MLT_INSTRUCTION_SETS(MLT_ENUMERATE)};
 #undef MLT_ENUMERATE
-  for (const auto& [set, set_name] : kSets) {
+  for (const InstructionSet set : kSets) {
     if (!is_supported(set)) continue;
+    const char* const set_name = instruction_set_name(set);
     const Job path{&scene, IntegratorKind::path, 128, 16, 1, set};
     const Job metropolis{&scene, IntegratorKind::pssmlt, 128, 32, 1, set};
     rows.push_back({fmt::format("path-tracer samples ({})", set_name), name, "M/s",

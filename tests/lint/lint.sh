@@ -6,6 +6,7 @@ set -u
 export LC_ALL=C
 top=$(cd "$(dirname "$0")/../.." && pwd)
 . "$top/tools/report.sh"
+. "$top/tools/instruction_sets.sh"
 cd "${LINT_ROOT:-$top}" || exit 1
 
 # Numerical pitfalls of primary-sample Metropolis renderers that the project's code can have. Each has tests
@@ -60,6 +61,19 @@ forbid "vector operations come from math/vec.hpp" \
 forbid "no parallel or relaxed algorithm" 'std::(execution|reduce|transform_reduce)\b'
 bit_changing='-Ofast|-ffast-math|-funsafe|-march=native|-ffp-contract=(fast|on)'
 expect_empty "no flag that changes the bits" "$(grep -nE -e "$bit_changing" Makefile tools/variants.mk)"
+
+# A set whose condition lacks a flag that it is compiled with would crash on some processor.
+set_breaches() {
+  local set flags
+  for set in $(instruction_sets); do
+    flags=$(sed -n "s/^SET_FLAGS_$set *:= *//p" Makefile | tr ' ' '\n' | sed -n 's/^-m//p' | sort)
+    [ "$flags" = "$(needs_of "$set" | sort)" ] ||
+      echo "$set: the Makefile compiles with ${flags//$'\n'/ }, render/instruction_set.hpp asks for" \
+        "$(needs_of "$set" | sort | paste -sd ' ')"
+  done
+  [ -n "$set" ] || echo "render/instruction_set.hpp lists no instruction set"
+}
+expect_empty "instruction sets ask the processor for what they are compiled with" "$(set_breaches)"
 
 # ---- sizes and form ----
 

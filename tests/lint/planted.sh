@@ -5,12 +5,17 @@ here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../../tools/report.sh"
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{include/{base,math,elsewhere},src/{base,math},tests/{base,repro},tools}
+mkdir -p "$tree"/{include/{base,math,elsewhere,render},src/{base,math},tests/{base,repro},tools}
 touch "$tree"/tools/none.sh "$tree"/tests/base/none.sh
 
 cat >"$tree/Makefile" <<'TEXT'
 STAGES   := base math
 CONTRACT := -O3 -ffast-math
+SET_FLAGS_avx2 := -mavx2 -mfma
+TEXT
+cat >"$tree/include/render/instruction_set.hpp" <<'TEXT'
+#define MLT_INSTRUCTION_SETS(X) \
+  X(avx2, "", MLT_CPU_HAS("avx2"))
 TEXT
 touch "$tree/tools/variants.mk"
 

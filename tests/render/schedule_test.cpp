@@ -82,6 +82,32 @@ TEST_CASE("another seed, depth or film gives another hash, the same job the same
   }
 }
 
+TEST_CASE("every instruction set gives the same film, and one that cannot run is refused by name") {
+  const SceneDescription scene = cornell_box();
+#define MLT_ENUMERATE(name, help, condition) InstructionSet::name,
+  constexpr InstructionSet kSets[] = {MLT_INSTRUCTION_SETS(MLT_ENUMERATE)};
+#undef MLT_ENUMERATE
+  CHECK(is_supported(best_instruction_set()));
+  for (const IntegratorKind kind : kIntegrators) {
+    RenderRequest request = small_request(kind, 16, 8, 4);
+    request.instruction_set = InstructionSet::base;
+    const std::string hash = hash_of(scene, request);
+    for (const InstructionSet set : kSets) {
+      request.instruction_set = set;
+      if (is_supported(set)) {
+        CHECK(hash_of(scene, request) == hash);
+        CHECK_THAT(info_value(Renderer(scene, resolve_job(request, scene)), "kernel"),
+                   Catch::EndsWith(std::string("instruction set ") + instruction_set_name(set)));
+      } else {
+        CHECK_THROWS_WITH(
+            resolve_job(request, scene),
+            Catch::StartsWith(std::string("--isa: found ") + instruction_set_name(set) +
+                              ", which this processor or this binary does not have, allowed is base"));
+      }
+    }
+  }
+}
+
 TEST_CASE("materials that no shape uses change nothing: not a bit, not a byte of the kernel's storage") {
   const SceneDescription scene = cornell_box();
   SceneDescription more = scene;

@@ -46,7 +46,7 @@ std::size_t choice(std::string_view option, std::string_view text, const std::st
   throw fault(option, "unknown '" + std::string(text) + "'");
 }
 
-#define MLT_NAME(name, help) #name,
+#define MLT_NAME(name, help, ...) #name,
 constexpr std::string_view kIntegrators[] = {MLT_INTEGRATOR_KINDS(MLT_NAME)};
 constexpr std::string_view kStarts[] = {MLT_START_KINDS(MLT_NAME)};
 constexpr std::string_view kMutations[] = {MLT_MUTATION_KINDS(MLT_NAME)};
