@@ -131,7 +131,7 @@ wait
 
 # ---- results ----
 
-kernels() { nm -C "$1" | grep -c 'mlt::run_chain<'; }
+kernels() { nm -C "$1" | grep -c 'mlt::run_chain_group<'; }
 for feature in "$@"; do
   [ -n "$(lacking "$feature")" ] || fail "without $feature: no job in tools/feature_cost.sh lacks it"
   all=$(kernels "$out/always_$feature/film_hash")

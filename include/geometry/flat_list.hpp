@@ -46,8 +46,9 @@ struct alignas(64) FlatBlock {
   LaneFloat u_i, u_j, u_0, v_i, v_j, v_0;  ///< U = u_i p_i + u_j p_j + u_0
   // In units of FlatRay::error / |det|; the last two negative.
   LaneFloat plane_error, depth_error, position_error;
-  LaneFloat inner;     ///< the square within which hits can be sure: about 1/2, or none
-  LaneInt slot;        ///< in FlatList::polygons
+  LaneFloat inner;  ///< the square within which hits can be sure: about 1/2, or none
+  LaneInt slot;     ///< in FlatList::polygons
+  LaneUint primitive;
   std::uint32_t axis;  ///< k
   std::uint32_t used;  ///< lanes
 };
@@ -134,39 +135,72 @@ struct FlatBounds {
   MaskOf<F> sure;      ///< the ray meets the polygon at 0 < t < limit
 };
 
-template <bool kSure, class F, class Coefficients>
-MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray,
-                                    [[maybe_unused]] F limit) {
-  const F* const origin = ray.origin + axis;
-  const F* const direction = ray.direction + axis;
-  const F normal_i = of(&FlatBlock::normal_i), normal_j = of(&FlatBlock::normal_j);
-  // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
-  const F height = mul_add_bound(normal_j, origin[2],
-                                 mul_add_bound(normal_i, origin[1], origin[0] - of(&FlatBlock::offset)));
-  const F inverse =
-      -1.0f / mul_add_bound(normal_j, direction[2], mul_add_bound(normal_i, direction[1], direction[0]));
-  const F error = magnitude(inverse) * ray.error;
-  const F t = height * inverse;
+/// Where rays cross the plane of a polygon, the first half of the fast test.
+template <class F>
+struct PlaneCrossing {
+  F t, first, error;
+  MaskOf<F> behind;  ///< no hit at t > 0
+
+  template <class Coefficients>
+  MLT_INLINE PlaneCrossing(const Coefficients& of, const F* origin, const F* direction, F ray_error) {
+    const F normal_i = of(&FlatBlock::normal_i), normal_j = of(&FlatBlock::normal_j);
+    // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
+    const F height = mul_add_bound(normal_j, origin[2],
+                                   mul_add_bound(normal_i, origin[1], origin[0] - of(&FlatBlock::offset)));
+    const F inverse =
+        -1.0f / mul_add_bound(normal_j, direction[2], mul_add_bound(normal_i, direction[1], direction[0]));
+    error = magnitude(inverse) * ray_error;
+    t = height * inverse;
+    first = mul_add_bound(error, of(&FlatBlock::depth_error), t);
+    behind = mul_add_bound(error, of(&FlatBlock::plane_error), t) <= F{};
+  }
+};
+
+/// How far from the middle of a polygon rays cross its plane: up to 1/2 inside.
+template <class F, class Coefficients>
+MLT_INLINE F off_middle(const Coefficients& of, const F* origin, const F* direction, F t) {
   const F p_i = mul_add_bound(t, direction[1], origin[1]);
   const F p_j = mul_add_bound(t, direction[2], origin[2]);
   const F u =
       mul_add_bound(of(&FlatBlock::u_j), p_j, mul_add_bound(of(&FlatBlock::u_i), p_i, of(&FlatBlock::u_0)));
   const F v =
       mul_add_bound(of(&FlatBlock::v_j), p_j, mul_add_bound(of(&FlatBlock::v_i), p_i, of(&FlatBlock::v_0)));
-  const F off = larger(magnitude(u), magnitude(v));
-  const F zero{};
-  const F position_error = of(&FlatBlock::position_error);
-  const F first = mul_add_bound(error, of(&FlatBlock::depth_error), t);
+  return larger(magnitude(u), magnitude(v));
+}
+
+/// The fast test for hits at any distance; `sure` is left open.
+template <class F, class Coefficients>
+MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray) {
+  const F* const origin = ray.origin + axis;
+  const F* const direction = ray.direction + axis;
+  const PlaneCrossing<F> plane(of, origin, direction, ray.error);
+  const F off = off_middle(of, origin, direction, plane.t);
   FlatBounds<F> bounds;
-  bounds.first = larger(first, zero);
-  bounds.rejected = (mul_add_bound(error, of(&FlatBlock::plane_error), t) <= zero) |
-                    (mul_add_bound(error, position_error, off) > 0.5f);
-  if constexpr (kSure) {
-    bounds.rejected |= first > limit;
-    // Twice the position error, and the depth error to the other side.
-    const F sure_off = mul_add_bound(error, -2.0f * position_error, off);
-    bounds.sure = (sure_off < of(&FlatBlock::inner)) & (first > zero) & ((t + t) - first < limit);
-  }
+  bounds.first = larger(plane.first, F{});
+  bounds.rejected = plane.behind | (mul_add_bound(plane.error, of(&FlatBlock::position_error), off) > 0.5f);
+  return bounds;
+}
+
+/// The fast test for hits before `limit`, outside `excluded`, which counts as rejected.
+template <class F, class Coefficients>
+MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray,
+                                    F limit, MaskOf<F> excluded) {
+  const F* const origin = ray.origin + axis;
+  const F* const direction = ray.direction + axis;
+  const PlaneCrossing<F> plane(of, origin, direction, ray.error);
+  FlatBounds<F> bounds;
+  bounds.first = plane.first;
+  bounds.sure = MaskOf<F>{};
+  bounds.rejected = excluded | plane.behind | (plane.first > limit);
+  // Planes that bound the scene lie beyond the ends of all segments in it.
+  if (all(bounds.rejected)) return bounds;
+  const F off = off_middle(of, origin, direction, plane.t);
+  const F position_error = of(&FlatBlock::position_error);
+  bounds.rejected |= mul_add_bound(plane.error, position_error, off) > 0.5f;
+  // Twice the position error, and the depth error to the other side.
+  const F sure_off = mul_add_bound(plane.error, -2.0f * position_error, off);
+  bounds.sure = not_in(excluded) & (sure_off < of(&FlatBlock::inner)) & (plane.first > 0.0f) &
+                ((plane.t + plane.t) - plane.first < limit);
   return bounds;
 }
 
@@ -209,7 +243,7 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
   LaneFloat least = broadcast(kNever), second = least;
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    const auto bounds = bound_hits<false, LaneFloat>(block.axis, BlockCoefficients{block}, ray, least);
+    const auto bounds = bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray);
     const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | block.slot;
     keys[i] = or_lanes(bounds.rejected, floats_of(key));
     // The order of arguments passes over NaN.
@@ -241,7 +275,7 @@ MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat l
   LaneInt sure{};
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    const auto bounds = bound_hits<true, LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit);
+    const auto bounds = bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit, LaneInt{});
     sure |= bounds.sure;
     all &= bounds.rejected;
     rejected[i] = bounds.rejected;

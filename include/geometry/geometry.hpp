@@ -92,19 +92,20 @@ class Geometry {
   template <bool kGeneral>
   Hit intersect(const Ray& ray) const;
 
-  /// Whether intersect would find a hit.
+  /// Whether intersect would find a hit on another primitive than `target`.
   template <bool kGeneral>
-  bool occluded(const Ray& ray) const;
+  bool occluded(const Ray& ray, std::uint32_t target = kNoPrimitive) const;
 
   /// The point of a hit that intersect found with the same ray.
   template <bool kGeneral>
   SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
 
-  /// The same for each lane of `active`; nothing is known of other lanes.
+  /// The same for each lane of `active`; nothing is known of other lanes. `leaves`, and that of `ends`, are
+  /// the primitives that rays leave from origin_towards(), or kNoPrimitive.
   template <bool kGeneral, class F>
-  HitOf<F> intersect_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const;
+  HitOf<F> intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves, const MaskOf<F>& active) const;
   template <bool kGeneral, class F>
-  MaskOf<F> occluded_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const;
+  MaskOf<F> occluded_lanes(const RayOf<F>& ray, const SegmentEnds<F>& ends, const MaskOf<F>& active) const;
   template <bool kGeneral, class F>
   SurfacePointOf<F> surface_points(const RayOf<F>& ray, const HitOf<F>& hits, const MaskOf<F>& active) const;
 

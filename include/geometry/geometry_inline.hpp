@@ -114,50 +114,58 @@ struct BestHit {
   }
 };
 
-/// Whether any lane lies at t < limit; blocks admit t <= limit.
+/// Whether any lane but that of `target` lies at t < limit; blocks admit t <= limit.
 template <class Block>
-MLT_INLINE bool blocks_ray(const Block& block, const RayFrame& ray, LaneFloat limit) {
+MLT_INLINE bool blocks_ray(const Block& block, const RayFrame& ray, LaneFloat limit, std::uint32_t target) {
   HitsOf<Block> hits;
-  const unsigned bits = intersect_block(block, ray, limit, hits);
-  return bits != 0 && (bits & lane_bits(hits.t < limit)) != 0;
+  unsigned bits = intersect_block(block, ray, limit, hits);
+  if (bits != 0) bits &= lane_bits(hits.t < limit);
+  while (bits != 0) {
+    if (block.primitive[take_lowest(bits)] != target) return true;
+  }
+  return false;
 }
 
-MLT_INLINE bool blocks_ray(const QuadBlock& block, const RayFrame& ray, LaneFloat limit) {
+MLT_INLINE bool blocks_ray(const QuadBlock& block, const RayFrame& ray, LaneFloat limit,
+                           std::uint32_t target) {
   LaneFloat entries;
   unsigned bits = entered_boxes(block.planes, ray, limit, entries);
   while (bits != 0) {
     const int lane = take_lowest(bits);
     QuadHit met;
-    if (cross_quad(block.quads[lane], *ray.ray, ray.shear, met) && met.t < limit[0] &&
-        entries[lane] < limit[0])
+    if (block.quads[lane].primitive != target && cross_quad(block.quads[lane], *ray.ray, ray.shear, met) &&
+        met.t < limit[0] && entries[lane] < limit[0])
       return true;
   }
   return false;
 }
 
 MLT_INLINE bool flat_occluded(const FlatList& list, const FlatRay& flat_ray, const Ray& ray,
-                              const RayLanes& lanes, float extent) {
+                              const RayLanes& lanes, float extent, std::uint32_t target) {
   const float limit = ray.t_max;
   return blocks_ray(list, flat_ray, broadcast(limit), [&](const FlatPolygon& polygon) {
     QuadHit met;
-    return cross_quad(polygon.quad, ray, RayShear(ray, lanes), met) && met.t < limit &&
-           box_entry(polygon, RaySlabs(lanes, extent)) < limit;
+    return polygon.quad.primitive != target && cross_quad(polygon.quad, ray, RayShear(ray, lanes), met) &&
+           met.t < limit && box_entry(polygon, RaySlabs(lanes, extent)) < limit;
   });
 }
 
 template <class Block>
-MLT_INLINE bool blocks_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
+MLT_INLINE bool blocks_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit,
+                                std::uint32_t target) {
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
-    if (blocks_ray(list.blocks[i], ray, limit)) return true;
+    if (blocks_ray(list.blocks[i], ray, limit, target)) return true;
   }
   return false;
 }
 
 template <class Block>
-MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit) {
-  if (list.nodes == nullptr) return blocks_occluded(list, ray, limit);
-  return traverse_any(list.nodes, ray, limit[0],
-                      [&](std::uint32_t block) { return blocks_ray(list.blocks[block], ray, limit); });
+MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit,
+                              std::uint32_t target) {
+  if (list.nodes == nullptr) return blocks_occluded(list, ray, limit, target);
+  return traverse_any(list.nodes, ray, limit[0], [&](std::uint32_t block) {
+    return blocks_ray(list.blocks[block], ray, limit, target);
+  });
 }
 
 template <bool kGeneral>
@@ -182,19 +190,19 @@ template <bool kGeneral>
 }
 
 template <bool kGeneral>
-[[gnu::noinline]] bool Geometry::occluded(const Ray& ray) const {
+[[gnu::noinline]] bool Geometry::occluded(const Ray& ray, std::uint32_t target) const {
   const RayLanes lanes(ray);
   const LaneFloat limit = broadcast(ray.t_max);
   if constexpr (kGeneral) {
     for (const FlatList& list : flat_lists_) {
-      if (flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_)) return true;
+      if (flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_, target)) return true;
     }
     const RayFrame frame(ray, lanes, extent_);
-    return list_occluded(quads_, frame, limit) || list_occluded(spheres_, frame, limit) ||
-           list_occluded(triangles_, frame, limit);
+    return list_occluded(quads_, frame, limit, target) || list_occluded(spheres_, frame, limit, target) ||
+           list_occluded(triangles_, frame, limit, target);
   } else {
-    if (flat_lists_.empty()) return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit);
-    return flat_occluded(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, lanes, extent_);
+    if (flat_lists_.empty()) return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit, target);
+    return flat_occluded(flat_lists_[0], FlatRay(ray, lanes, extent_), ray, lanes, extent_, target);
   }
 }
 
@@ -214,25 +222,30 @@ template <bool kGeneral>
 }
 
 template <bool kGeneral, class F>
-MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const {
+MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves,
+                                                const MaskOf<F>& active) const {
   HitOf<F> hits;
   MaskOf<F> alone = active;
   if constexpr (!kGeneral && VectorType<F>) {
-    if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, active, alone);
+    if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
   }
   for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(lane_of(ray, lane))); });
   return hits;
 }
 
 template <bool kGeneral, class F>
-MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const MaskOf<F>& active) const {
+MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const SegmentEnds<F>& ends,
+                                                const MaskOf<F>& active) const {
   MaskOf<F> blocked{};
   MaskOf<F> alone = active;
   if constexpr (!kGeneral && VectorType<F>) {
-    if (!flat_lists_.empty()) blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, active, alone);
+    if (!flat_lists_.empty()) {
+      blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
+    }
   }
   for_lanes(alone, [&](int lane) {
-    if (occluded<kGeneral>(lane_of(ray, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);
+    if (occluded<kGeneral>(lane_of(ray, lane), lane_of(ends.target, lane)))
+      set_lane_of(blocked, lane, kLaneTrue<F>);
   });
   return blocked;
 }

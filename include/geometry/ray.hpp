@@ -57,6 +57,14 @@ MLT_INLINE void set_lane_of(HitOf<F>& hits, int lane, const Hit& hit) {
   set_lane_of(hits.weights[1], lane, hit.weights[1]);
 }
 
+/// Primitives at the ends of a shadow segment, kNoPrimitive where there is none. The one it starts from it
+/// does not meet again; the target, a light, is no obstacle.
+template <class F>
+struct SegmentEnds {
+  UintOf<F> leaves = broadcast_bits<UintOf<F>>(kNoPrimitive);
+  UintOf<F> target = broadcast_bits<UintOf<F>>(kNoPrimitive);
+};
+
 /// A point on a surface. `normal` is the geometric unit normal of the front side. `offset_bound` bounds the
 /// absolute rounding error of `position` along the normal; rays leave from position +- normal * offset_bound.
 template <class F>

@@ -264,10 +264,12 @@ struct WideBestHit {
   }
 };
 
-/// The closest hits. Nothing is known of rays outside `active` or, on return, in `in_doubt`.
+/// The closest hits. `leaves` are the primitives that rays start from, which they do not meet again
+/// (polygon.hpp): the fast test alone could not tell. Nothing is known of rays outside `active` or, on
+/// return, in `in_doubt`.
 template <class F>
-MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, float extent, MaskOf<F> active,
-                                   MaskOf<F>& in_doubt) {
+MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, float extent, UintOf<F> leaves,
+                                   MaskOf<F> active, MaskOf<F>& in_doubt) {
   const WideRayFrame<F> frame(ray);
   const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
   F keys[kFlatSlots];
@@ -275,11 +277,11 @@ MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, fl
   LeastKeys<F> found;
   for_polygons(
       list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
-        const auto bounds =
-            bound_hits<false, F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, found.least);
+        const auto bounds = bound_hits<F>(block.axis, PolygonCoefficients<F>{block, lane}, flat);
         const UintOf<F> key =
             (as_bits(bounds.first) & ~LeastKeys<F>::kSlotBits) | static_cast<std::uint32_t>(block.slot[lane]);
-        keys[count] = as_floats(key | mask_bits(bounds.rejected));
+        const MaskOf<F> rejected = bounds.rejected | (leaves == block.primitive[lane]);
+        keys[count] = as_floats(key | mask_bits(rejected));
         found.add(keys[count++]);
       });
 
@@ -300,10 +302,11 @@ MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, fl
   return best.hit;
 }
 
-/// Which rays the list blocks. Nothing is known of rays outside `active` or, on return, in `in_doubt`.
+/// Which rays the list blocks, but for their targets. Nothing is known of rays outside `active` or, on
+/// return, in `in_doubt`.
 template <class F>
-MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, float extent, MaskOf<F> active,
-                                   MaskOf<F>& in_doubt) {
+MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, float extent,
+                                   const SegmentEnds<F>& ends, MaskOf<F> active, MaskOf<F>& in_doubt) {
   using U = UintOf<F>;
   const WideRayFrame<F> frame(ray);
   const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
@@ -313,8 +316,10 @@ MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, fl
   U doubtful{};
   for_polygons(
       list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
+        const std::uint32_t primitive = block.primitive[lane];
+        const MaskOf<F> is_end = (ends.leaves == primitive) | (ends.target == primitive);
         const auto bounds =
-            bound_hits<true, F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, ray.t_max);
+            bound_hits<F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, ray.t_max, is_end);
         blocked |= bounds.sure;
         const MaskOf<F> possible = not_in(bounds.rejected);
         doubted_twice |= doubted & possible;

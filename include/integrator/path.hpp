@@ -86,8 +86,9 @@ class PathIntegrator {
     V throughput{one, one, one};
     Arrival arrival;
     F eta_scale = one;
+    UintOf<F> leaves = broadcast_bits<UintOf<F>>(kNoPrimitive);
     for (std::uint32_t edge = 1;; ++edge) {
-      const HitOf<F> hit = world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, active);
+      const HitOf<F> hit = world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, leaves, active);
       active &= hit.found();
       if (!any(active)) return radiance;
       const SurfacePointOf<F> point =
@@ -106,7 +107,8 @@ class PathIntegrator {
       const FrameOf<F> frame(point.normal);
       const V wo = frame.to_local(-ray.direction);
       if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
-        const V gathered = throughput * direct_light(sampler, material, frame, point, wo, rough);
+        const Vertex vertex{point, frame, wo, hit.primitive};
+        const V gathered = throughput * direct_light(sampler, material, vertex, rough);
         radiance = select(rough, radiance + gathered, radiance);
       } else {
         sampler.skip(kLightSamples, active);
@@ -124,6 +126,7 @@ class PathIntegrator {
         if (!any(active)) return radiance;
       }
       arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
+      leaves = hit.primitive;
       const V direction = frame.to_world(bsdf.wi);
       ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
     }
@@ -144,23 +147,33 @@ class PathIntegrator {
     return select(weighted, radiance * weight, radiance);
   }
 
+  /// Where the light that paths scatter is gathered.
+  struct Vertex {
+    const SurfacePointOf<F>& point;
+    const FrameOf<F>& frame;
+    const V& wo;
+    const UintOf<F>& primitive;
+  };
+
   /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
   template <class Sampler>
-  MLT_INLINE V direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const FrameOf<F>& frame,
-                            const SurfacePointOf<F>& point, const V& wo, M active) const {
+  MLT_INLINE V direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const Vertex& vertex,
+                            M active) const {
     const V black{F{}, F{}, F{}};
     const F u_choice = kManyLights ? sampler.next(active) : F{};
-    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, point.position, u_choice,
-                                                                sampler.next_2d(active), active);
+    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.point.position,
+                                                                u_choice, sampler.next_2d(active), active);
     M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
     if (!any(seen)) return black;
     const BsdfValueOf<F> bsdf =
-        evaluate_bsdf<kDiffuseOnly, F>(material, wo, frame.to_local(light.direction), seen);
+        evaluate_bsdf<kDiffuseOnly, F>(material, vertex.wo, vertex.frame.to_local(light.direction), seen);
     seen &= not_in(is_zero<F>(bsdf.f_cos));
     if (!any(seen)) return black;
-    const V origin = point.origin_towards(light.direction);
+    const V origin = vertex.point.origin_towards(light.direction);
     const RayOf<F> segment{origin, light.position - origin, broadcast_to<F>(1.0f)};
-    seen &= not_in(world_.geometry.template occluded_lanes<kGeneralGeometry, F>(segment, seen));
+    const LightRefOf<F> target(world_.lights.lights.data(), select(seen, light.light, UintOf<F>{}));
+    const SegmentEnds<F> ends{vertex.primitive, target.primitive()};
+    seen &= not_in(world_.geometry.template occluded_lanes<kGeneralGeometry, F>(segment, ends, seen));
     if (!any(seen)) return black;
     const F pdf = nonzero(seen, light.pdf_solid_angle);
     const F weight = power_heuristic(pdf, bsdf.pdf_solid_angle) / pdf;

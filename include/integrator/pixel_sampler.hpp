@@ -19,7 +19,8 @@ namespace mlt {
 constexpr std::uint32_t swap_bytes(std::uint32_t x) {
   return __builtin_bswap32(x);
 }
-MLT_INLINE LaneUint swap_bytes(LaneUint x) {
+template <VectorType U>
+MLT_INLINE U swap_bytes(U x) {
   x = (x >> 16) | (x << 16);
   return ((x >> 8) & 0x00ff00ffU) | ((x & 0x00ff00ffU) << 8);
 }
@@ -35,8 +36,8 @@ MLT_INLINE constexpr Bits reverse_bits(Bits x) {
 /// Hash in which each bit is influenced by lower bits only [Laine11]; on bit-reversed numbers it is an Owen
 /// scramble. The constants are those of [Vegdahl21], which pass its statistical comparison with true
 /// scrambling better than the original ones.
-template <class Bits>
-MLT_INLINE constexpr Bits laine_karras(Bits x, std::uint32_t seed) {
+template <class Bits, class Seed>
+MLT_INLINE constexpr Bits laine_karras(Bits x, Seed seed) {
   x ^= x * 0x3d20adeaU;
   x += seed;
   x *= (seed >> 16) | 1U;
@@ -57,7 +58,8 @@ MLT_INLINE constexpr Bits reversed_sobol_second(Bits index) {
   return index ^ (index & 0xaaaaaaaaU) >> 1;
 }
 
-/// Lanes have samples of one pixel with ascending indices.
+/// Lanes have samples of one pixel with ascending indices, whose numbers are then made together and kept, or,
+/// where pixels have fewer samples than there are lanes, each a sample of any pixel.
 template <class F>
 class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   using U = UintOf<F>;
@@ -79,18 +81,36 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     if (is_new) start_sequence(x, y, sequence);
     if (is_new || sample / kBlock != block_) start_block(sample / kBlock);
     lane_ = sample % kBlock;
+    is_scattered_ = false;
+    progress_.restart();
+  }
+
+  /// Instead: for each lane, then start_scattered().
+  void place(int lane, std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence) {
+    scattered_[lane] = {x, y, key_of(x, y, sequence)};
+    set_lane_of(reversed_, lane, reverse_bits(sample));
+  }
+  void start_scattered() {
+    is_scattered_ = true;
     progress_.restart();
   }
 
   U next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) {
     const std::uint32_t dimension = progress_.advance(1, active);
+    if (is_scattered_) return scattered_samples(dimension);
     if (dimension == 0) return film_coordinates(x_, width_, last_x_, film_.first);
     if (dimension == 1) return film_coordinates(y_, height_, last_y_, film_.second);
     return load_wide<U>(samples_of(dimension, Kind::single).first + lane_);
   }
 
   Vec2Of<F> next_2d(MaskOf<F> active = not_in(MaskOf<F>{})) {
-    const Samples& samples = samples_of(progress_.advance(2, active), Kind::pair);
+    const std::uint32_t dimension = progress_.advance(2, active);
+    if (is_scattered_) {
+      U first, second;
+      scatter(first, second, Kind::pair, dimension + 1);
+      return Vec2Of<F>{unit_float(first), unit_float(second)};
+    }
+    const Samples& samples = samples_of(dimension, Kind::pair);
     return Vec2Of<F>{unit_float(load_wide<U>(samples.first + lane_)),
                      unit_float(load_wide<U>(samples.second + lane_))};
   }
@@ -125,8 +145,44 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     sequence_stamp_ += 1;
     last_x_ = last_coordinate(x, width_);
     last_y_ = last_coordinate(y, height_);
-    sequence_key_ = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
-    if (sequence != 0) sequence_key_ = mix64(sequence_key_ + 0xd1b54a32d192ed03ULL * sequence);
+    sequence_key_ = key_of(x, y, sequence);
+  }
+
+  std::uint64_t key_of(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) const {
+    const std::uint64_t key = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
+    return sequence == 0 ? key : mix64(key + 0xd1b54a32d192ed03ULL * sequence);
+  }
+
+  /// compute() for lanes of several pixels; number 0 stands for the film's dimensions.
+  [[gnu::noinline]] void scatter(U& first, U& second, Kind kind, std::uint32_t number) const {
+    U keys{}, low{}, high{};
+    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+      const std::uint64_t key = mix64(scattered_[lane].key + 0x9e3779b97f4a7c15ULL * number);
+      const std::uint64_t scrambles = kind == Kind::pair ? mix64(key) : key >> 32;
+      set_lane_of(keys, lane, static_cast<std::uint32_t>(key));
+      set_lane_of(low, lane, static_cast<std::uint32_t>(scrambles));
+      set_lane_of(high, lane, static_cast<std::uint32_t>(scrambles >> 32));
+    }
+    const U index = reverse_bits(laine_karras(reversed_, keys)) & index_mask_;
+    first = reverse_bits(laine_karras(index, low));
+    second = reverse_bits(laine_karras(reversed_sobol_second(index), high));
+  }
+
+  [[gnu::noinline]] U scattered_samples(std::uint32_t dimension) const {
+    U first, second;
+    if (dimension > 1) {
+      scatter(first, second, Kind::single, dimension + 1);
+      return first;
+    }
+    scatter(first, second, Kind::pair, 0);
+    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+      const auto [x, y, key] = scattered_[lane];
+      const std::uint32_t coordinate =
+          dimension == 0 ? film_coordinate(x, width_, last_coordinate(x, width_), lane_of(first, lane))
+                         : film_coordinate(y, height_, last_coordinate(y, height_), lane_of(second, lane));
+      set_lane_of(first, lane, coordinate);
+    }
+    return first;
   }
 
   void start_block(std::uint32_t block) {
@@ -213,6 +269,14 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint64_t sequence_ = 0, sequence_key_ = 0;
   std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
   alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};
+  /// Where a lane's sample lies, and the key of its sequence.
+  struct Place {
+    std::uint32_t x, y;
+    std::uint64_t key;
+  };
+  Place scattered_[kLaneCount<F>] = {};
+  U reversed_{};  ///< indices of scattered samples
+  bool is_scattered_ = false;
   Samples film_;
   Samples remembered_[kRemembered + 1];
 };

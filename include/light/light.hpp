@@ -30,6 +30,7 @@ struct alignas(32) Light {
   float offset_bound = 0;  ///< distance along the normal that keeps shadow segments off the light's surface
   Vec3 radiance{0, 0, 0};
   LightShape shape = LightShape::kQuad;
+  std::uint32_t primitive = 0xffffffffU;  ///< whose surface it is; none as long as it is in no world
 };
 
 /// One light for each lane; lanes of no light may hold anything.
@@ -55,6 +56,7 @@ class LightRefOf {
     if (uniform_) return table_->shape == shape ? not_in(MaskOf<F>{}) : MaskOf<F>{};
     return gather_bytes<F>(&table_->shape, offset_) == static_cast<std::uint32_t>(shape);
   }
+  MLT_INLINE UintOf<F> primitive() const { return gather_bytes<F>(&table_->primitive, offset_); }
   /// Loads what is read of the result, provided that it is inlined.
   MLT_INLINE LightOf<F> load() const {
     if constexpr (VectorType<F>) {

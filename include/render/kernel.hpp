@@ -58,7 +58,8 @@ struct RenderStorage {
   std::span<BootstrapChunk> bootstrap;
   std::span<ChainStatistics> chains;  ///< of one round
   LuminanceMoments bootstrap_moments;
-  std::uint64_t mutations = 0;  ///< of all chains
+  std::uint64_t mutations = 0;         ///< of all chains
+  std::uint64_t chain_group_size = 1;  ///< chains that one call runs together, at most the kernel's lanes
   std::uint32_t fraction_bits = 0;
 
   // Path tracer

@@ -146,6 +146,7 @@ void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon
   FlatBlock& block = list_.blocks[slot_ / kLanes];
   if (slot_ % kLanes == 0) clear_block(block, slot_ / kLanes, axis);
   set_lane(block, static_cast<int>(slot_ % kLanes), quad, double{extent_});
+  block.primitive[static_cast<int>(slot_ % kLanes)] = polygon.quad.primitive;
   block.used = slot_ % kLanes + 1;
   list_.polygons[slot_] = polygon;
   list_.polygons[slot_].slot = first_slot_ + slot_;

@@ -49,7 +49,8 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
     : job(render_job),
       features(find_features(counts, render_job)),
       kernel(kernel_set(render_job.instruction_set).select_kernel(features)),
-      sample_capacity(kernel.primary_sample_capacity(render_job.depth)) {
+      sample_capacity(kernel.primary_sample_capacity(render_job.depth)),
+      group_size(std::clamp((job.chains + job.threads - 1) / job.threads, 1U, kernel.lanes)) {
   const std::uint64_t units =
       is_metropolis() ? chain_groups() : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
   workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
@@ -123,6 +124,7 @@ void JobPlan::take_storage(Arena& arena, RenderStorage& storage) const {
 
 void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) const {
   storage.mutations = job.mutations;
+  storage.chain_group_size = group_size;
   // Jobs that differ in the number of rounds alone give the same film as long as both run.
   storage.fraction_bits = job.in_rounds ? kMinFractionBits : film_fraction_bits(storage.mutations);
   storage.bootstrap = arena.take(slots.bootstrap);

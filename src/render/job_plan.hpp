@@ -48,16 +48,18 @@ struct JobPlan {
 
   std::uint64_t pixel_count() const { return std::uint64_t{job.width} * job.height; }
   std::uint64_t pixel_units() const { return (pixel_count() + kPixelsPerUnit - 1) / kPixelsPerUnit; }
-  /// Chains run in groups of as many as the kernel has lanes.
-  std::uint64_t chain_groups() const { return (std::uint64_t{job.chains} + kernel.lanes - 1) / kernel.lanes; }
+  std::uint64_t chain_groups() const { return (std::uint64_t{job.chains} + group_size - 1) / group_size; }
   bool is_metropolis() const { return job.integrator == IntegratorKind::pssmlt; }
 
   RenderJob job;
   FeatureMask features;
   Kernel kernel;
   std::uint32_t sample_capacity;  ///< primary samples of one path at most
-  std::uint32_t workers;          ///< threads that can have work at all
-  std::uint32_t films = 1;        ///< pssmlt: 1 to workers; worker i splats to film i % films
+  /// pssmlt: chains that one worker runs together, as many as the kernel has lanes, or fewer where there
+  /// would be too few groups for the threads. The film does not depend on it.
+  std::uint32_t group_size = 1;
+  std::uint32_t workers;    ///< threads that can have work at all
+  std::uint32_t films = 1;  ///< pssmlt: 1 to workers; worker i splats to film i % films
   MemoryPlan memory;
   RenderSlots slots;
 

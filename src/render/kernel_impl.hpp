@@ -59,8 +59,9 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   const RenderJob& job = storage.job;
   const WorkerStorage& own = storage.workers[worker];
   const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  const std::uint64_t first = group * kWideLanes;
-  const std::uint64_t count = job.chains - first < kWideLanes ? job.chains - first : kWideLanes;
+  const std::uint64_t first = group * storage.chain_group_size;
+  const std::uint64_t left = job.chains - first;
+  const std::uint64_t count = left < storage.chain_group_size ? left : storage.chain_group_size;
   ChainTask tasks[kWideLanes];
   ChainStatistics statistics[kWideLanes];
   FixedFilm films[kWideLanes];
@@ -85,43 +86,102 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   storage.done.fetch_add(mutations, std::memory_order_relaxed);
 }
 
-/// All samples of one pixel, summed in order.
+/// Where the sample of a lane is counted.
+struct PixelSample {
+  std::uint32_t pixel = 0;
+  std::uint32_t sequence = 0;
+  std::uint64_t index = 0;  ///< in its sequence
+};
+
+/// One sample in each lane of `active`, summed in their order.
+template <FeatureMask kFeatures>
+void render_samples(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+                    PixelSamplerOf<WideFloat>& sampler, const PixelSample* samples,
+                    const MaskOf<WideFloat>& active, TileStatistics& statistics) {
+  integrator.evaluate(
+      sampler,
+      [&](const SplatOf<WideFloat>& splats, MaskOf<WideFloat> lanes) {
+        for_lanes(lanes, [&](int lane) {
+          const PixelSample& sample = samples[lane];
+          MLT_CHECK_OP(lane_of(splats.pixel, lane), ==, sample.pixel);
+          const Vec3 value = lane_of(splats.value, lane);
+          const bool rejected = statistics.defects.reject(value);
+          const int half = half_of_sequence(sample.index, storage.job.samples_per_pixel);
+          if (!rejected) storage.pixels[sample.pixel].add(value, half, sample.sequence == 0 ? 1 : -1);
+          // The mean over the image weighs pixels alike, so the second sequence stays out of it.
+          if (sample.sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(value));
+        });
+      },
+      active);
+  const UintOf<WideFloat> dimensions = sampler.dimension();
+  for_lanes(active, [&](int lane) {
+    statistics.primary_samples += lane_of(dimensions, lane);
+    statistics.samples += 1;
+  });
+}
+
+struct TileBounds {
+  std::uint32_t first_x, first_y, last_x, last_y;
+
+  /// Calls visit(x, y) -> bool for the tile's pixels in order until it returns false; how many returned true.
+  template <class Visit>
+  std::uint32_t for_pixels(Visit&& visit) const {
+    std::uint32_t visited = 0;
+    for (std::uint32_t y = first_y; y < last_y; ++y) {
+      for (std::uint32_t x = first_x; x < last_x; ++x) {
+        if (!visit(x, y)) return visited;
+        ++visited;
+      }
+    }
+    return visited;
+  }
+};
+
+/// All samples of one pixel, as many as there are lanes at a time.
 template <FeatureMask kFeatures>
 void render_pixel(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                   PixelSamplerOf<WideFloat>& sampler, std::uint32_t x, std::uint32_t y,
                   TileStatistics& statistics) {
-  using F = WideFloat;
-  const std::uint32_t pixel = y * storage.job.width + x;
-  PixelSum& sum = storage.pixels[pixel];
-  ReplayContext& context = replay_context();
   const std::uint64_t count = storage.job.samples_per_pixel;
-  const std::uint32_t sequences = sequences_in(x, y);
-  for (std::uint32_t sequence = 0; sequence < sequences; ++sequence) {
-    const int sign = sequence == 0 ? 1 : -1;
+  PixelSample samples[kWideLanes];
+  for (std::uint32_t sequence = 0; sequence < sequences_in(x, y); ++sequence) {
     for (std::uint64_t first = 0; first < count; first += kWideLanes) {
-      context.step = sequence * count + first;
+      replay_context().step = sequence * count + first;
       sampler.start(x, y, static_cast<std::uint32_t>(first), 2 * storage.round + sequence);
-      const MaskOf<F> active = first_lanes<F>(count - first);
-      integrator.evaluate(
-          sampler,
-          [&](const SplatOf<F>& splats, MaskOf<F> lanes) {
-            for_lanes(lanes, [&](int lane) {
-              MLT_CHECK_OP(lane_of(splats.pixel, lane), ==, pixel);
-              const Vec3 value = lane_of(splats.value, lane);
-              const bool rejected = statistics.defects.reject(value);
-              const std::uint64_t index = first + static_cast<std::uint64_t>(lane);
-              if (!rejected) sum.add(value, half_of_sequence(index, count), sign);
-              // The mean over the image weighs pixels alike, so the second sequence stays out of it.
-              if (sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(value));
-            });
-          },
-          active);
-      const UintOf<F> dimensions = sampler.dimension();
-      for_lanes(active, [&](int lane) { statistics.primary_samples += lane_of(dimensions, lane); });
+      for (std::uint32_t i = 0; i < kWideLanes; ++i)
+        samples[i] = {y * storage.job.width + x, sequence, first + i};
+      render_samples(integrator, storage, sampler, samples, first_lanes<WideFloat>(count - first),
+                     statistics);
     }
   }
-  statistics.samples += sequences * count;
-  storage.image[pixel] = develop_pixel(sum, (storage.round + 1) * sequences * count);
+}
+
+/// Samples of several pixels at a time, where pixels have fewer than there are lanes. Returns the number of
+/// pixels rendered before the stop.
+template <FeatureMask kFeatures>
+std::uint32_t render_few_samples(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+                                 PixelSamplerOf<WideFloat>& sampler, const TileBounds& tile,
+                                 TileStatistics& statistics) {
+  PixelSample samples[kWideLanes];
+  std::uint32_t used = 0;
+  const auto flush = [&] {
+    sampler.start_scattered();
+    render_samples(integrator, storage, sampler, samples, first_lanes<WideFloat>(used), statistics);
+    used = 0;
+  };
+  const std::uint32_t rendered = tile.for_pixels([&](std::uint32_t x, std::uint32_t y) {
+    if (storage.stop->load(std::memory_order_relaxed)) return false;
+    for (std::uint32_t sequence = 0; sequence < sequences_in(x, y); ++sequence) {
+      for (std::uint32_t i = 0; i < storage.job.samples_per_pixel; ++i) {
+        sampler.place(static_cast<int>(used), x, y, i, 2 * storage.round + sequence);
+        samples[used++] = {y * storage.job.width + x, sequence, i};
+        if (used == kWideLanes) flush();
+      }
+    }
+    return true;
+  });
+  if (used > 0) flush();
+  return rendered;
 }
 
 template <FeatureMask kFeatures>
@@ -133,20 +193,31 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   const std::uint32_t tiles_across = tile_count(job.width);
   const std::uint32_t first_x = static_cast<std::uint32_t>(tile % tiles_across) * kTileSide;
   const std::uint32_t first_y = static_cast<std::uint32_t>(tile / tiles_across) * kTileSide;
-  const std::uint32_t last_x = first_x + kTileSide < job.width ? first_x + kTileSide : job.width;
-  const std::uint32_t last_y = first_y + kTileSide < job.height ? first_y + kTileSide : job.height;
+  const TileBounds bounds{first_x, first_y, first_x + kTileSide < job.width ? first_x + kTileSide : job.width,
+                          first_y + kTileSide < job.height ? first_y + kTileSide : job.height};
   replay_context().seed = job.seed;
   replay_context().unit = tile;
   TileStatistics statistics;
-  for (std::uint32_t y = first_y; y < last_y; ++y) {
-    for (std::uint32_t x = first_x; x < last_x; ++x) {
-      if (storage.stop->load(std::memory_order_relaxed)) {
-        storage.left_early.store(true, std::memory_order_relaxed);
-        break;
-      }
+  std::uint32_t rendered = 0;
+  if (job.samples_per_pixel < kWideLanes) {
+    rendered = render_few_samples(integrator, storage, sampler, bounds, statistics);
+  } else {
+    rendered = bounds.for_pixels([&](std::uint32_t x, std::uint32_t y) {
+      if (storage.stop->load(std::memory_order_relaxed)) return false;
       render_pixel(integrator, storage, sampler, x, y, statistics);
-    }
+      return true;
+    });
   }
+  const std::uint32_t pixels = bounds.for_pixels([&](std::uint32_t x, std::uint32_t y) {
+    if (rendered == 0) return false;
+    --rendered;
+    const std::uint32_t pixel = y * job.width + x;
+    const std::uint64_t samples = sequences_in(x, y) * job.samples_per_pixel;
+    storage.image[pixel] = develop_pixel(storage.pixels[pixel], (storage.round + 1) * samples);
+    return true;
+  });
+  if (pixels < (bounds.last_x - bounds.first_x) * (bounds.last_y - bounds.first_y))
+    storage.left_early.store(true, std::memory_order_relaxed);
   storage.tiles[tile].add(statistics);
   storage.done.fetch_add(statistics.samples, std::memory_order_relaxed);
 }

@@ -127,7 +127,7 @@ void Renderer::State::render_metropolis() {
 /// One round of all chains; false when it was stopped before its end.
 bool Renderer::State::run_chains(ChainStatistics& total) {
   const std::uint64_t groups = run_phase("chain", plan.kernel.chain_group, plan.chain_groups(), true);
-  const std::uint64_t finished = std::min<std::uint64_t>(groups * plan.kernel.lanes, plan.job.chains);
+  const std::uint64_t finished = std::min<std::uint64_t>(groups * plan.group_size, plan.job.chains);
   for (std::uint64_t i = 0; i < finished; ++i) total.add(storage.chains[i]);
   return finished == plan.job.chains;
 }

@@ -140,7 +140,9 @@ class ShapeCompiler {
     primitives_[primitive].material = attributes.material;
     if (!emits(attributes)) return;
     primitives_[primitive].light = light_count_;
-    lights_[light_count_++] = make_light(Vec3{*attributes.emission});
+    Light& light = lights_[light_count_++];
+    light = make_light(Vec3{*attributes.emission});
+    light.primitive = primitive;
   }
 
   const WorldCounts& counts_;

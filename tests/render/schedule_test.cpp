@@ -194,6 +194,8 @@ TEST_CASE(
 TEST_CASE("the advice of a refused job is right: what it says would fit does fit") {
   const SceneDescription scene = cornell_box();
   RenderRequest request = small_request(IntegratorKind::pssmlt, 64, 4, 4);
+  request.chains = 1024;  // Enough groups for all threads.
+  request.bootstrap = 1024;
   request.threads = 64;
   const std::size_t all = Renderer(scene, resolve_job(request, scene)).memory_plan().total_bytes();
   request.memory_limit = all / 4;
