@@ -1,7 +1,6 @@
 #include "geometry/bvh_builder.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "base/assert.hpp"
 #include "bvh_shared_split.hpp"
@@ -88,16 +87,22 @@ class SubtreeBuilder {
     open_node(task.range, task.level, node,
               [&](const Range& range) { return split_range(storage_.references, range, task.level); });
     write_node(storage_.nodes[index], node);
-    // The child whose references come first is taken up first, so that leaves are numbered in their order.
-    int order[kNodeWidth];
-    std::iota(order, order + node.count, 0);
-    std::sort(order, order + node.count,
-              [&](int a, int b) { return node.children[a].begin > node.children[b].begin; });
-    MLT_CHECK_OP(task_count_ + node.count, <=, kTraversalStack);
-    for (int i = 0; i < node.count; ++i) {
-      tasks_[task_count_++] = {node.children[order[i]], index, order[i], task.level + 1};
-    }
+    push_children(node, index, task.level + 1);
     return index;
+  }
+
+  /// The child whose references come first is taken up first, so that leaves are numbered in their order.
+  void push_children(const OpenedNode& node, std::uint32_t parent, int level) {
+    MLT_CHECK_OP(task_count_ + node.count, <=, kTraversalStack);
+    const int bottom = task_count_;
+    for (int lane = 0; lane < node.count; ++lane) {
+      const Range& range = node.children[lane];
+      int place = task_count_++;
+      for (; place > bottom && tasks_[place - 1].range.begin < range.begin; --place) {
+        tasks_[place] = tasks_[place - 1];
+      }
+      tasks_[place] = {range, parent, lane, level};
+    }
   }
 
   std::uint32_t write_leaf(const Range& range) {
