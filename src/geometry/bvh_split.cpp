@@ -47,8 +47,6 @@ Pair split_binned(std::span<BvhReference> references, const Range& range) {
   return sides(range, best, partition(run, binning, best));
 }
 
-constexpr std::uint32_t kSmallVectors = kSmallCount / kLanes;
-
 /// A few references, their centres by axis in lanes, and their orders along the axes.
 struct SmallRun {
   explicit SmallRun(std::span<const BvhReference> references)
@@ -67,27 +65,26 @@ struct SmallRun {
   /// those before it, counted in lanes.
   void order_along(int axis) {
     const float* const center = centers[axis];
-    const std::uint32_t vectors = (count + kLanes - 1) / kLanes;
-    LaneInt ranks[kSmallVectors] = {};
     LaneInt lanes{};
     for (int i = 0; i < kLanes; ++i) lanes[i] = i;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const LaneFloat own = broadcast(center[i]);
-      const std::uint32_t own_vector = i / kLanes;
-      for (std::uint32_t v = 0; v < own_vector; ++v) ranks[v] -= own < at(center, v);
-      const LaneInt behind = lanes > static_cast<std::int32_t>(i % kLanes);
-      const LaneFloat near = at(center, own_vector);
-      ranks[own_vector] -= (own < near) | ((own == near) & behind);
-      for (std::uint32_t v = own_vector + 1; v < vectors; ++v) ranks[v] -= own <= at(center, v);
-    }
-    for (std::uint32_t i = 0; i < count; ++i) {
-      orders[axis][ranks[i / kLanes][i % kLanes]] = static_cast<std::uint8_t>(i);
+    for (std::uint32_t first = 0; first < count; first += kLanes) {
+      const LaneFloat own = at(center + first);
+      LaneInt ranks{};
+      for (std::uint32_t i = 0; i < first; ++i) ranks -= broadcast(center[i]) <= own;
+      for (std::uint32_t i = 0; i < kLanes; ++i) {
+        const LaneFloat other = broadcast(center[first + i]);
+        ranks -= (other < own) | ((other == own) & (lanes > static_cast<std::int32_t>(i)));
+      }
+      for (std::uint32_t i = first + kLanes; i < count; ++i) ranks -= broadcast(center[i]) < own;
+      const std::uint32_t filled = std::min<std::uint32_t>(kLanes, count - first);
+      for (std::uint32_t i = 0; i < filled; ++i)
+        orders[axis][ranks[i]] = static_cast<std::uint8_t>(first + i);
     }
   }
 
-  static LaneFloat at(const float* center, std::uint32_t vector) {
+  static LaneFloat at(const float* center) {
     LaneFloat lanes;
-    std::memcpy(&lanes, center + vector * kLanes, sizeof(lanes));
+    std::memcpy(&lanes, center, sizeof(lanes));
     return lanes;
   }
 
@@ -156,11 +153,17 @@ Pair split_small(std::span<BvhReference> all, const Range& range) {
   const std::uint32_t middle = range.begin + best.left_count;
   Pair pair{{range.begin, middle, {}, {}}, {middle, range.end, {}, {}}};
   const std::uint8_t* const order = run.orders[best.axis];
+  Box box;
   for (std::uint32_t i = 0; i < run.count; ++i) {
-    const Box& box = run.boxes[order[i]];
-    std::memcpy(static_cast<void*>(&references[i]), &box, sizeof(box));
-    (i < best.left_count ? pair.left : pair.right).box.include(box);
+    if (i == best.left_count) {
+      pair.left.box = box;
+      box = Box{};
+    }
+    const Box& own = run.boxes[order[i]];
+    std::memcpy(static_cast<void*>(&references[i]), &own, sizeof(own));
+    box.include(own);
   }
+  pair.right.box = box;
   return pair;
 }
 
@@ -178,6 +181,7 @@ Binning::Binning(const Range& range) : origin(range.centers.low()) {
 
 void BinSet::add(std::span<const BvhReference> references, const Binning& binning) {
   for (const BvhReference& reference : references) {
+    __builtin_prefetch(&reference + 48);
     const Box box(reference);
     const Int4 bins = __builtin_convertvector(binning.position(box), Int4);
 #pragma GCC unroll 3
@@ -211,6 +215,7 @@ Partition partition(std::span<BvhReference> run, const Binning& binning, const B
   // Without branches, which could not be predicted.
   BvhReference* next = run.data();
   for (BvhReference& reference : run) {
+    __builtin_prefetch(&reference + 48, 1);
     const Box box(reference);
     const bool is_left = binning.position(box)[split.axis] < first_right;
     const LaneInt mask = LaneInt{} - static_cast<std::int32_t>(is_left);

@@ -19,16 +19,16 @@ struct Bounds {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
 };
 
-Bounds bounds_of(const Vec3& a, const Vec3& b) {
+MLT_INLINE Bounds bounds_of(const Vec3& a, const Vec3& b) {
   return {Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
           Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}};
 }
 
-Bounds join(const Bounds& p, const Bounds& q) {
+MLT_INLINE Bounds join(const Bounds& p, const Bounds& q) {
   return {bounds_of(p.low, q.low).low, bounds_of(p.high, q.high).high};
 }
 
-Bounds bounds_of(const Triangle& t) {
+MLT_INLINE Bounds bounds_of(const Triangle& t) {
   return join(bounds_of(t.a, t.b), bounds_of(t.c, t.c));
 }
 Bounds bounds_of(const Quad& q) {
@@ -181,9 +181,7 @@ struct PlacedChunk {
   float extent = 0;
 };
 
-template <class Shape>
-float largest_coordinate(const Shape& shape, float extent) {
-  const Bounds b = bounds_of(shape);
+float largest_coordinate(const Bounds& b, float extent) {
   MLT_CHECK(is_finite(b.low) && is_finite(b.high));
   return std::max({extent, -b.low.x, -b.low.y, -b.low.z, b.high.x, b.high.y, b.high.z});
 }
@@ -201,9 +199,9 @@ std::span<BvhReference> place_references(const KindBuild<Block, Shapes>& build, 
     PlacedChunk own;
     for (std::uint32_t i = chunks.begin(c); i < chunks.end(c); ++i) {
       const auto shape = build.shapes[i];
-      own.extent = largest_coordinate(shape, own.extent);
-      if (!has_area(shape)) continue;
       const Bounds b = bounds_of(shape);
+      own.extent = largest_coordinate(b, own.extent);
+      if (!has_area(shape)) continue;
       ::new (next++) BvhReference{{b.low.x, b.low.y, b.low.z}, i, {-b.high.x, -b.high.y, -b.high.z}, 0};
     }
     own.count = static_cast<std::uint32_t>(next - (all + chunks.begin(c)));
@@ -235,7 +233,7 @@ PrimitiveList<Block> build_flat(KindBuild<Block, Shapes> build) {
 
 template <class Shapes>
 void include_extent(const Shapes& shapes, float& extent) {
-  for (std::size_t i = 0; i < shapes.size(); ++i) extent = largest_coordinate(shapes[i], extent);
+  for (std::size_t i = 0; i < shapes.size(); ++i) extent = largest_coordinate(bounds_of(shapes[i]), extent);
 }
 
 template <class Block, class Shapes>
