@@ -52,7 +52,7 @@ constexpr std::uint64_t max_bvh_subtrees(std::uint64_t count) {
 }
 
 /// Nodes that a build needs room for. Each subtree has room for its own maximum, which is proportional to its
-/// references but for at most 2.2 nodes and the rounding; above S subtrees are less than S / (width - 1) + 1
+/// references but for at most 2.4 nodes; above S subtrees are less than S / (width - 1) + 1
 /// nodes.
 constexpr std::uint64_t bvh_node_capacity(std::uint64_t count) {
   return max_bvh_nodes(count) + (count < kSharedCount ? 0 : 3 * max_bvh_subtrees(count));
