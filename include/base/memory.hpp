@@ -78,6 +78,14 @@ class Arena {
     return {first, count};
   }
 
+  /// The same as it was left: of a scene block taken for the first time, zeros. For what is large and about
+  /// to be written.
+  template <class T>
+  std::span<T> raw(Slot<T> slot) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return {static_cast<T*>(take_line(slot.line, sizeof(T))), lines_[slot.line].count};
+  }
+
   std::size_t bytes() const { return size_; }
 
  private:

@@ -1,12 +1,14 @@
 // Builds a wide bounding volume hierarchy top down, in memory bounded by the number of primitives alone. A
 // node's children come from repeatedly splitting the child of the largest surface; splits minimise the
-// surface area heuristic over bins [Wald07], and exactly for few primitives. Deterministic, no recursion,
-// no heap.
+// surface area heuristic over bins [Wald07], and exactly for few primitives. No recursion, no heap. Any
+// number of threads builds the same bits: what is a unit of work, and where its results go, follows from the
+// references alone.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
+#include "base/unit_runner.hpp"
 #include "geometry/bvh.hpp"
 
 namespace mlt {
@@ -17,12 +19,12 @@ inline constexpr std::uint32_t kLeafSize = kLanes;
 inline constexpr std::uint32_t kSmallestSide = 4 * kLeafSize;
 inline constexpr std::uint32_t kMaxBvhPrimitives = 1U << 30;
 
-/// What the builder knows of a primitive: its box and its index within its kind. Two SIMD quadruples.
-struct alignas(16) BvhReference {
+/// What the builder knows of a primitive: its box and its index within its kind.
+struct alignas(32) BvhReference {
   float low[3];
   std::uint32_t index;
-  float high[3];
-  std::uint32_t padding;
+  float minus_high[3];  ///< so that boxes are joined by minima alone
+  std::uint32_t unused;
 };
 
 /// Leaves of a hierarchy over `count` primitives. Every sequence of splits ends in groups of s_i primitives,
@@ -40,22 +42,49 @@ constexpr std::uint64_t max_bvh_nodes(std::uint64_t count) {
   return half + half / (kNodeWidth - 1) + 1;
 }
 
-/// Receives leaf `block` with the primitives of `references` (1 to kLeafSize). Blocks are numbered in the
-/// order of the calls, and each call has the references that follow those of the call before: behind the last
-/// it may overwrite them.
+/// From so many references on, the tree is divided into subtrees that are units of work.
+inline constexpr std::uint32_t kSharedCount = 8192;
+
+/// Subtrees at most.
+constexpr std::uint64_t max_bvh_subtrees(std::uint64_t count) {
+  const std::uint64_t subtrees = count / 256;
+  return count < kSharedCount ? 1 : subtrees < 512 ? subtrees : 512;
+}
+
+/// Nodes that a build needs room for. Each subtree has room for its own maximum, which is proportional to its
+/// references but for at most 2.4 nodes; above S subtrees are less than S / (width - 1) + 1
+/// nodes.
+constexpr std::uint64_t bvh_node_capacity(std::uint64_t count) {
+  return max_bvh_nodes(count) + (count < kSharedCount ? 0 : 3 * max_bvh_subtrees(count));
+}
+
+/// In an order of primitives: this one is the last of its leaf.
+inline constexpr std::uint32_t kLastOfLeaf = 0x80000000U;
+
+/// Receives runs of whole leaves, the first of which is leaf `first_block` and each of which has 1 to
+/// kLeafSize primitives. Called once for each run, in any order and by several threads, when the references
+/// are not needed any more.
 struct LeafWriter {
-  void (*write)(void* context, std::uint32_t block, std::span<const BvhReference> references) = nullptr;
+  void (*write)(void* context, std::uint32_t first_block, std::span<const std::uint32_t> order) = nullptr;
   void* context = nullptr;
 };
 
 struct BvhSize {
-  std::uint32_t nodes = 0;
+  std::uint32_t nodes = 0;  ///< there may be unused ones between them
   std::uint32_t blocks = 0;
   int levels = 0;
 };
 
-/// Orders `references` (changed) into a hierarchy in `nodes`, which holds max_bvh_nodes(references.size()).
-/// Boxes must be finite. No primitives give a root without children.
-BvhSize build_bvh(std::span<BvhReference> references, std::span<BvhNode> nodes, const LeafWriter& leaves);
+struct BvhWorkspace;
+
+struct BvhStorage {
+  std::span<BvhReference> references;  ///< in any order, which changes
+  std::span<std::uint32_t> order;      ///< as many
+  std::span<BvhNode> nodes;  ///< bvh_node_capacity(references.size()); those not used stay as they are
+  BvhWorkspace* workspace = nullptr;  ///< needed from kSharedCount references on
+};
+
+/// Orders the references into a hierarchy. Boxes must be finite. No primitives give a root without children.
+BvhSize build_bvh(const BvhStorage& storage, const LeafWriter& leaves, const UnitRunner& runner);
 
 }  // namespace mlt

@@ -50,6 +50,8 @@ struct KindSlots {
   bool flat = true;
   Slot<Block> blocks;
   Slot<BvhNode> nodes;
+  Slot<std::uint32_t> order;
+  Slot<BvhWorkspace> workspace;  ///< from kSharedCount primitives on
 };
 
 struct FlatSlots {
@@ -80,7 +82,8 @@ class Geometry {
 
   /// `input` has the counts of the plan; all coordinates are finite, radii too. Primitives without area are
   /// never hit.
-  static Geometry build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input);
+  static Geometry build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input,
+                        const UnitRunner& runner = {});
 
   /// Whether intersect<true> and occluded<true> are needed: whether there is more than a flat list of
   /// polygons.

@@ -13,7 +13,8 @@ namespace mlt {
 struct KernelSet {
   WorldSlots (*plan_world)(MemoryPlan& plan, const WorldCounts& counts) = nullptr;
   World (*compile_world)(const SceneDescription& scene, const WorldCounts& counts, std::uint32_t width,
-                         std::uint32_t height, Arena& arena, const WorldSlots& slots) = nullptr;
+                         std::uint32_t height, Arena& arena, const WorldSlots& slots,
+                         const UnitRunner& runner) = nullptr;
   Kernel (*select_kernel)(FeatureMask features) = nullptr;
 };
 

@@ -12,6 +12,7 @@
 
 #include "base/event.hpp"
 #include "base/memory.hpp"
+#include "base/unit_runner.hpp"
 
 namespace mlt {
 
@@ -63,7 +64,11 @@ class WorkerPool {
   std::uint64_t run(const Phase& phase, const std::atomic<bool>& stop_flag, void (*idle)(void*),
                     void* idle_context);
 
+  /// For stages that do not know of pools. One thread is no faster than its caller, who then does the units.
+  UnitRunner runner();
+
  private:
+  static void run_for(void* pool, UnitRunner::Unit unit, void* context, std::uint64_t units);
   static void* thread_main(void* pool);
   void work(std::uint32_t worker);
   void run_units(std::uint32_t worker);

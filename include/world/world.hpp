@@ -103,8 +103,10 @@ WorldCounts count_world(const SceneDescription& scene);
 /// Adds the world's blocks; sizes follow from the counts alone.
 WorldSlots plan_world(MemoryPlan& plan, const WorldCounts& counts);
 
-/// Compiles `scene` for a film of width x height pixels. Uses the plan's scratch blocks, and no heap.
+/// Compiles `scene` for a film of width x height pixels. Uses the plan's scratch blocks, and no heap. The
+/// result does not depend on `runner`.
 World compile_world(const SceneDescription& scene, const WorldCounts& counts, std::uint32_t width,
-                    std::uint32_t height, Arena& arena, const WorldSlots& slots);
+                    std::uint32_t height, Arena& arena, const WorldSlots& slots,
+                    const UnitRunner& runner = {});
 
 }  // namespace mlt

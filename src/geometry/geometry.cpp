@@ -1,7 +1,6 @@
 #include "geometry/geometry.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "geometry/bvh_workspace.hpp"
 
 namespace mlt {
 namespace {
@@ -19,16 +19,16 @@ struct Bounds {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
 };
 
-Bounds bounds_of(const Vec3& a, const Vec3& b) {
+MLT_INLINE Bounds bounds_of(const Vec3& a, const Vec3& b) {
   return {Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
           Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}};
 }
 
-Bounds join(const Bounds& p, const Bounds& q) {
+MLT_INLINE Bounds join(const Bounds& p, const Bounds& q) {
   return {bounds_of(p.low, q.low).low, bounds_of(p.high, q.high).high};
 }
 
-Bounds bounds_of(const Triangle& t) {
+MLT_INLINE Bounds bounds_of(const Triangle& t) {
   return join(bounds_of(t.a, t.b), bounds_of(t.c, t.c));
 }
 Bounds bounds_of(const Quad& q) {
@@ -122,6 +122,21 @@ struct PolygonList {
   }
 };
 
+/// Asks for the memory of shape `i`.
+template <class Shape>
+void prefetch(std::span<const Shape> shapes, std::size_t i) {
+  __builtin_prefetch(&shapes[i]);
+}
+void prefetch(const TriangleList& triangles, std::size_t i) {
+  __builtin_prefetch(&triangles.corners[i]);
+}
+void prefetch(const PolygonList& polygons, std::size_t i) {
+  if (i < polygons.quads.size()) prefetch(polygons.quads, i);
+}
+
+/// Shapes asked for ahead of those that are written.
+constexpr std::size_t kPrefetched = 16;
+
 /// The primitives of one kind while they are built. `first` is the primitive index of the first shape.
 template <class Block, class Shapes>
 struct KindBuild {
@@ -141,42 +156,64 @@ struct KindBuild {
     }
   }
 
-  void write_leaf(std::uint32_t index, std::span<const BvhReference> references) {
-    std::uint32_t lanes[kLanes] = {};
-    for (std::size_t i = 0; i < references.size(); ++i) lanes[i] = references[i].index;
-    // The block may lie over these references: a compiler must not read them after it has begun to write.
-    std::atomic_signal_fence(std::memory_order_seq_cst);
-    write_block(index, {lanes, references.size()});
+  void write_leaves(std::uint32_t block, std::span<const std::uint32_t> order) {
+    std::uint32_t lanes[kLanes];
+    std::size_t filled = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (i + kPrefetched < order.size()) prefetch(shapes, order[i + kPrefetched] & ~kLastOfLeaf);
+      lanes[filled++] = order[i] & ~kLastOfLeaf;
+      if ((order[i] & kLastOfLeaf) == 0) continue;
+      write_block(block++, {lanes, filled});
+      filled = 0;
+    }
   }
 };
 
-/// Blocks that a hierarchy of `count` primitives needs while it is built, when the references stand at the
-/// end of the leaves' storage and leaves are written from its start over references that are used up. With L
-/// leaves at most, after some leaves r references are left, which need r / kLanes further leaves or more: so
-/// L - r / kLanes leaves at most are written, which do not reach the references as long as a lane is as large
-/// as a reference. Where it is smaller, as a sphere's is, there is room for the difference.
+/// Blocks whose storage holds the leaves of `count` primitives, and before them the references of the build.
 template <class Block>
 constexpr std::uint64_t leaf_blocks(std::uint64_t count) {
-  constexpr std::uint64_t kLane = sizeof(Block) / kLanes;
-  constexpr std::uint64_t kMissing = kLane < sizeof(BvhReference) ? sizeof(BvhReference) - kLane : 0;
-  return max_bvh_leaves(count) + (count * kMissing + sizeof(Block) - 1) / sizeof(Block);
+  return std::max(max_bvh_leaves(count), (count * sizeof(BvhReference) + sizeof(Block) - 1) / sizeof(Block));
 }
 
-/// The primitives that have an area, at the end of the leaves' storage.
+/// What one part of the shapes left in its part of the references.
+struct PlacedChunk {
+  std::uint32_t count = 0;
+  float extent = 0;
+};
+
+float largest_coordinate(const Bounds& b, float extent) {
+  MLT_CHECK(is_finite(b.low) && is_finite(b.high));
+  return std::max({extent, -b.low.x, -b.low.y, -b.low.z, b.high.x, b.high.y, b.high.z});
+}
+
+/// The primitives that have an area, in the leaves' storage.
 template <class Block, class Shapes>
-std::span<BvhReference> place_references(const KindBuild<Block, Shapes>& build) {
-  const std::span<std::byte> storage = std::as_writable_bytes(build.blocks);
-  auto* const end = reinterpret_cast<BvhReference*>(storage.data() + storage.size());
-  BvhReference* const begin = end - build.shapes.size();
-  BvhReference* next = begin;
-  for (std::uint32_t i = 0; i < build.shapes.size(); ++i) {
-    const auto shape = build.shapes[i];
-    if (!has_area(shape)) continue;
-    const Bounds b = bounds_of(shape);
-    ::new (next++) BvhReference{{b.low.x, b.low.y, b.low.z}, i, {b.high.x, b.high.y, b.high.z}, 0};
+std::span<BvhReference> place_references(const KindBuild<Block, Shapes>& build, float& extent,
+                                         const UnitRunner& runner) {
+  const auto count = static_cast<std::uint32_t>(build.shapes.size());
+  auto* const all = reinterpret_cast<BvhReference*>(build.blocks.data());
+  const Chunks chunks(0, count);
+  PlacedChunk placed[Chunks::kMax];
+  runner.run(chunks.count, [&](std::uint64_t c) {
+    BvhReference* next = all + chunks.begin(c);
+    PlacedChunk own;
+    for (std::uint32_t i = chunks.begin(c); i < chunks.end(c); ++i) {
+      const auto shape = build.shapes[i];
+      const Bounds b = bounds_of(shape);
+      own.extent = largest_coordinate(b, own.extent);
+      if (!has_area(shape)) continue;
+      ::new (next++) BvhReference{{b.low.x, b.low.y, b.low.z}, i, {-b.high.x, -b.high.y, -b.high.z}, 0};
+    }
+    own.count = static_cast<std::uint32_t>(next - (all + chunks.begin(c)));
+    placed[c] = own;
+  });
+  BvhReference* end = all;
+  for (std::uint32_t c = 0; c < chunks.count; ++c) {
+    extent = std::max(extent, placed[c].extent);
+    const BvhReference* const begin = all + chunks.begin(c);
+    end = begin == end ? end + placed[c].count : std::copy_n(begin, placed[c].count, end);
   }
-  if (next == end) return {begin, end};
-  return {std::move_backward(begin, next, end), end};
+  return {all, end};
 }
 
 template <class Block, class Shapes>
@@ -194,33 +231,34 @@ PrimitiveList<Block> build_flat(KindBuild<Block, Shapes> build) {
   return {build.blocks.data(), count, nullptr};
 }
 
-template <class Block, class Shapes>
-PrimitiveList<Block> build_tree(KindBuild<Block, Shapes> build, std::span<BvhNode> nodes) {
-  const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
-    static_cast<KindBuild<Block, Shapes>*>(context)->write_leaf(block, leaf);
-  };
-  const BvhSize size = build_bvh(place_references(build), nodes, LeafWriter{write, &build});
-  return {build.blocks.data(), size.blocks, nodes.data()};
-}
-
 template <class Shapes>
 void include_extent(const Shapes& shapes, float& extent) {
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const Bounds b = bounds_of(shapes[i]);
-    MLT_CHECK(is_finite(b.low) && is_finite(b.high));
-    extent = std::max({extent, -b.low.x, -b.low.y, -b.low.z, b.high.x, b.high.y, b.high.z});
-  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) extent = largest_coordinate(bounds_of(shapes[i]), extent);
+}
+
+template <class Block, class Shapes>
+PrimitiveList<Block> build_tree(Arena& arena, const KindSlots<Block>& slots, KindBuild<Block, Shapes> build,
+                                float& extent, const UnitRunner& runner) {
+  const auto write = [](void* context, std::uint32_t block, std::span<const std::uint32_t> order) {
+    static_cast<KindBuild<Block, Shapes>*>(context)->write_leaves(block, order);
+  };
+  const std::span<BvhReference> references = place_references(build, extent, runner);
+  const std::span<BvhNode> nodes = arena.raw(slots.nodes);
+  BvhStorage storage{references, arena.raw(slots.order).first(references.size()), nodes, nullptr};
+  if (slots.count >= kSharedCount) storage.workspace = arena.take(slots.workspace).data();
+  const BvhSize size = build_bvh(storage, LeafWriter{write, &build}, runner);
+  return {build.blocks.data(), size.blocks, nodes.data()};
 }
 
 template <class Block, class Shapes>
 PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, const Shapes& shapes,
-                                std::uint32_t first, float& extent) {
+                                std::uint32_t first, float& extent, const UnitRunner& runner) {
   MLT_CHECK_OP(shapes.size(), ==, slots.count);
-  include_extent(shapes, extent);
   if (slots.count == 0) return {};
-  const KindBuild<Block, Shapes> build{arena.take(slots.blocks), shapes, first};
-  if (slots.flat) return build_flat(build);
-  return build_tree(build, arena.take(slots.nodes));
+  const KindBuild<Block, Shapes> build{arena.raw(slots.blocks), shapes, first};
+  if (!slots.flat) return build_tree(arena, slots, build, extent, runner);
+  include_extent(shapes, extent);
+  return build_flat(build);
 }
 
 FlatSlots plan_flat(MemoryPlan& plan, const std::string& name, std::uint32_t count) {
@@ -283,7 +321,10 @@ KindSlots<Block> plan_kind(MemoryPlan& plan, const std::string& name, std::uint3
     return slots;
   }
   slots.blocks = plan.add<Block>(name + ", leaves", Lifetime::kScene, leaf_blocks<Block>(count));
-  slots.nodes = plan.add<BvhNode>(name + ", hierarchy", Lifetime::kScene, max_bvh_nodes(count));
+  slots.nodes = plan.add<BvhNode>(name + ", hierarchy", Lifetime::kScene, bvh_node_capacity(count));
+  slots.order = plan.add<std::uint32_t>(name + ", order", Lifetime::kScratch, count);
+  if (count < kSharedCount) return slots;
+  slots.workspace = plan.add<BvhWorkspace>(name + ", build of the hierarchy", Lifetime::kScratch, 1);
   return slots;
 }
 
@@ -305,7 +346,8 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
   return slots;
 }
 
-Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input) {
+Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const GeometryInput& input,
+                         const UnitRunner& runner) {
   Geometry geometry;
   const auto quads = static_cast<std::uint32_t>(input.quads.size());
   const bool few = slots.triangles.count == 0;
@@ -314,13 +356,13 @@ Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const Geometr
   float extent = 0.0f;
   const PolygonList polygons{input.quads, few ? input.triangles : TriangleList{}};
   if (slots.quads.count > 0) {
-    geometry.quads_ = build_kind(arena, slots.quads, polygons, 0, extent);
+    geometry.quads_ = build_kind(arena, slots.quads, polygons, 0, extent, runner);
   } else {
     geometry.flat_lists_ = build_flat_lists(arena, slots.flat, polygons, extent);
   }
   geometry.triangles_ = build_kind(arena, slots.triangles, few ? TriangleList{} : input.triangles,
-                                   geometry.first_in_triangles_, extent);
-  geometry.spheres_ = build_kind(arena, slots.spheres, input.spheres, geometry.first_sphere_, extent);
+                                   geometry.first_in_triangles_, extent, runner);
+  geometry.spheres_ = build_kind(arena, slots.spheres, input.spheres, geometry.first_sphere_, extent, runner);
   geometry.extent_ = extent;
   return geometry;
 }

@@ -59,7 +59,7 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
   slots.error_blocks = memory.add<ErrorSums>("error estimate", Lifetime::kScene, pixel_units());
   slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
   slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
-  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kRender, workers);
+  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kScene, workers);
   if (is_metropolis()) {
     plan_metropolis();
   } else {

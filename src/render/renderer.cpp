@@ -287,13 +287,13 @@ void Renderer::prepare() {
   State& state = *state_;
   const JobPlan& plan = state.plan;
   state.arena = std::make_unique<Arena>(plan.memory);
-  state.world = kernel_set(plan.job.instruction_set)
-                    .compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
-                                   plan.slots.world);
-  state.storage.world = &state.world;
-  plan.take_storage(*state.arena, state.storage);
   prefault_process();
   state.pool.start(state.arena->take(plan.slots.stacks), state.arena->take(plan.slots.threads));
+  state.world = kernel_set(plan.job.instruction_set)
+                    .compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
+                                   plan.slots.world, state.pool.runner());
+  state.storage.world = &state.world;
+  plan.take_storage(*state.arena, state.storage);
 }
 
 RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback progress, void* context) {

@@ -71,6 +71,23 @@ std::uint64_t WorkerPool::run(const Phase& phase, const std::atomic<bool>& stop_
   return taken < phase.units ? taken : phase.units;
 }
 
+UnitRunner WorkerPool::runner() {
+  return threads_.size() < 2 ? UnitRunner{} : UnitRunner{&WorkerPool::run_for, this};
+}
+
+void WorkerPool::run_for(void* pool, UnitRunner::Unit unit, void* context, std::uint64_t units) {
+  struct Call {
+    UnitRunner::Unit unit;
+    void* context;
+  } call{unit, context};
+  const auto run_one = [](void* own, std::uint32_t, std::uint64_t i) {
+    const Call& made = *static_cast<const Call*>(own);
+    made.unit(made.context, i);
+  };
+  const std::atomic<bool> never{false};
+  static_cast<WorkerPool*>(pool)->run(Phase{"scene", run_one, &call, units, false}, never, nullptr, nullptr);
+}
+
 void* WorkerPool::thread_main(void* pool) {
   auto* self = static_cast<WorkerPool*>(pool);
   const std::uint32_t worker = self->next_worker_.fetch_add(1, std::memory_order_relaxed);

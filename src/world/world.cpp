@@ -198,7 +198,7 @@ WorldSlots plan_world(MemoryPlan& plan, const WorldCounts& counts) {
 }
 
 World compile_world(const SceneDescription& scene, const WorldCounts& counts, std::uint32_t width,
-                    std::uint32_t height, Arena& arena, const WorldSlots& slots) {
+                    std::uint32_t height, Arena& arena, const WorldSlots& slots, const UnitRunner& runner) {
   const Placement placement = place(scene);
   ShapeCompiler shapes(counts, arena, slots);
   shapes.compile(scene, placement);
@@ -208,8 +208,8 @@ World compile_world(const SceneDescription& scene, const WorldCounts& counts, st
   build_light_table(shapes.lights(), light_cdf);
 
   return World{compile_camera(scene.camera, placement, width, height),
-               Geometry::build(arena, slots.geometry, shapes.geometry()), materials, shapes.primitives(),
-               LightTable{shapes.lights(), light_cdf}};
+               Geometry::build(arena, slots.geometry, shapes.geometry(), runner), materials,
+               shapes.primitives(), LightTable{shapes.lights(), light_cdf}};
 }
 
 }  // namespace mlt

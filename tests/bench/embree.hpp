@@ -6,6 +6,8 @@
 #define MLT_HAS_EMBREE 1
 #include <embree3/rtcore.h>
 
+#include <chrono>
+#include <string>
 #include <vector>
 
 #include "geometry/ray.hpp"
@@ -15,8 +17,8 @@ namespace mlt::test {
 
 class EmbreeScene {
  public:
-  explicit EmbreeScene(const std::vector<Triangle>& triangles)
-      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
+  explicit EmbreeScene(const std::vector<Triangle>& triangles, unsigned threads = 1)
+      : device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())), scene_(rtcNewScene(device_)) {
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* corners = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * triangles.size()));
@@ -31,7 +33,9 @@ class EmbreeScene {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
+    const auto start = std::chrono::steady_clock::now();
     rtcCommitScene(scene_);
+    build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   ~EmbreeScene() {
     rtcReleaseScene(scene_);
@@ -57,6 +61,9 @@ class EmbreeScene {
     return query.tfar < 0;
   }
 
+  /// Of the clock on the wall.
+  double build_seconds() const { return build_seconds_; }
+
  private:
   static RTCRay embree_ray(const Ray& ray) {
     RTCRay query{};
@@ -73,6 +80,7 @@ class EmbreeScene {
 
   RTCDevice device_;
   RTCScene scene_;
+  double build_seconds_ = 0;
 };
 
 }  // namespace mlt::test

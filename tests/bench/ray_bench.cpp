@@ -1,16 +1,19 @@
 // Nanoseconds per ray by kind (primary, cosine-distributed bounce, shadow segment) for a Cornell-like
-// box of 18 quads, a box around one glassy-smooth ball of 131k triangles and a rough one of 1M, and the time
-// to build their hierarchies. One thread, CPU time; medians of interleaved rounds, so that a change of the
-// clock's frequency or another process meets all alike. With the argument "crossover" it compares flat lists
-// with trees for growing counts instead, which is where FlatLimits comes from. Where libembree-dev is there,
-// Embree meets the same rays.
+// box of 18 quads, a box around one glassy-smooth ball of 131k triangles and a rough one of 1M: one thread,
+// CPU time; medians of interleaved rounds, so that a change of the clock's frequency or another process meets
+// all alike. And the time to build their hierarchies by 1, 2 and 4 threads. With the argument "crossover" it
+// compares flat lists with trees for growing counts instead, which is where FlatLimits comes from. Where
+// libembree-dev is there, Embree meets the same rays and builds from the same triangles.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <functional>
+#include <memory>
 
 #include "embree.hpp"
 #include "geometry/scene_fixture.hpp"
+#include "render/worker_pool.hpp"
 #include "row.hpp"
 
 namespace mlt::test {
@@ -155,6 +158,10 @@ class EmbreeMeter {
     m.shadow.push_back(time(rays.shadow, &EmbreeScene::occluded));
   }
 
+  static double build_seconds(const Shapes& shapes, unsigned threads) {
+    return EmbreeScene(triangles_of(shapes), threads).build_seconds();
+  }
+
  private:
   static std::vector<Triangle> triangles_of(const Shapes& shapes) {
     std::vector<Triangle> triangles = halves_of(shapes.quads);
@@ -178,6 +185,20 @@ struct EmbreeMeter {
 };
 #endif
 
+/// The threads of a render, with stacks of their own.
+class Workers {
+ public:
+  explicit Workers(std::uint32_t count) : stacks_(new WorkerStack[count]), threads_(count) {
+    pool_.start({stacks_.get(), count}, threads_);
+  }
+  UnitRunner runner() { return pool_.runner(); }
+
+ private:
+  std::unique_ptr<WorkerStack[]> stacks_;
+  std::vector<pthread_t> threads_;
+  WorkerPool pool_;
+};
+
 /// By kind of ray, with what the rival needed for the same rays, if any.
 void print(const std::string& scene, const Measurement& m, const Measurement& embree) {
   const auto print_kind = [&scene](const char* kind, const std::vector<double>& own,
@@ -190,24 +211,31 @@ void print(const std::string& scene, const Measurement& m, const Measurement& em
   print_kind("shadow ray", m.shadow, embree.shadow);
 }
 
-void print_build(const std::string& scene, const Shapes& shapes) {
-  BenchRow time{"build of the hierarchy", scene, "ms"};
+/// Wall time, since several threads build; the arena's pages are there before, as in a render.
+void print_build(const std::string& scene, const Shapes& shapes, std::uint32_t threads) {
+  BenchRow time{fmt::format("build of the hierarchy by {} threads ({} lanes)", threads, kLanes), scene, "ms"};
   BenchRow memory{"memory of the hierarchy", scene, "bytes/triangle"};
-  for (int round = 0; round < 5; ++round) {
-    const auto counts = shapes.counts();
+  Workers workers(threads);
+  const TriangleSoup soup(shapes.triangles);
+  for (int round = 0; round < (quick_bench() ? 5 : 11); ++round) {
     MemoryPlan plan;
-    const GeometrySlots slots = Geometry::plan(plan, counts);
+    const GeometrySlots slots = Geometry::plan(plan, shapes.counts());
     memory.readings.push_back(static_cast<double>(plan.bytes(Lifetime::kScene)) /
                               static_cast<double>(shapes.triangles.size()));
     Arena arena(plan);
-    const TriangleSoup soup(shapes.triangles);
-    const auto start = cpu_seconds();
-    const Geometry geometry = Geometry::build(arena, slots, {shapes.quads, soup.list(), shapes.spheres});
-    time.readings.push_back(seconds_since(start) * 1e3);
+    const auto start = std::chrono::steady_clock::now();
+    const Geometry geometry =
+        Geometry::build(arena, slots, {shapes.quads, soup.list(), shapes.spheres}, workers.runner());
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    time.readings.push_back(taken.count() * 1e3);
     sink = geometry.extent() > 0;
+#ifdef MLT_HAS_EMBREE
+    time.rival = "Embree";
+    time.rival_readings.push_back(EmbreeMeter::build_seconds(shapes, threads) * 1e3);
+#endif
   }
   print_row(time);
-  print_row(memory);
+  if (threads == 1) print_row(memory);
 }
 
 void compare_scenes() {
@@ -237,8 +265,10 @@ void compare_scenes() {
   print("box of 18 quads (general)", m[1], embree[0]);
   print("131k triangles in 6 quads", m[2], embree[1]);
   print("1M triangles in 6 quads", m[3], embree[2]);
-  print_build("131k triangles in 6 quads", mesh);
-  print_build("1M triangles in 6 quads", rough);
+  for (const std::uint32_t threads : {1U, 2U, 4U}) {
+    print_build("131k triangles in 6 quads", mesh, threads);
+    print_build("1M triangles in 6 quads", rough, threads);
+  }
 }
 
 /// `count` small shapes of one kind in a closed box, flat and as a tree.

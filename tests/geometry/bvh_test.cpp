@@ -1,10 +1,15 @@
 // The builder: every primitive in exactly one leaf, boxes that enclose, and the bounds on memory and depth
 // that planning and traversal rely on, for friendly and hostile inputs.
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstring>
+#include <memory>
 
+#include "geometry/bvh_workspace.hpp"
 #include "scene_fixture.hpp"
+#include "support/threads.hpp"
 
 namespace mlt::test {
 namespace {
@@ -36,7 +41,7 @@ Inspection inspect(const std::vector<BvhNode>& nodes, const std::vector<std::vec
       result.partial_leaves += leaf.size() < kLeafSize;
       for (const BvhReference& r : leaf) {
         result.leaves_of.at(r.index) += 1;
-        for (int k = 0; k < 3; ++k) result.outside += r.low[k] < p.low[k] || r.high[k] > p.high[k];
+        for (int k = 0; k < 3; ++k) result.outside += r.low[k] < p.low[k] || -r.minus_high[k] > p.high[k];
       }
       continue;
     }
@@ -55,38 +60,65 @@ Inspection inspect(const std::vector<BvhNode>& nodes, const std::vector<std::vec
   return result;
 }
 
-void check_build(std::vector<BvhReference> references) {
+/// A hierarchy with all that it was built in.
+struct Built {
+  explicit Built(std::vector<BvhReference> input, const UnitRunner& runner = {})
+      : references(std::move(input)),
+        order(references.size()),
+        nodes(bvh_node_capacity(references.size())),
+        workspace(std::make_unique<BvhWorkspace>()),
+        block_of(references.size(), kNobody) {
+    const LeafWriter writer{&Built::write, this};
+    size = build_bvh({references, order, nodes, workspace.get()}, writer, runner);
+  }
+
+  static constexpr std::uint32_t kNobody = ~0U;
+
+  /// Leaves may come at the same time, but never the same place of the order twice.
+  static void write(void* context, std::uint32_t block, std::span<const std::uint32_t> run) {
+    Built& self = *static_cast<Built*>(context);
+    for (const std::uint32_t& entry : run) {
+      const std::ptrdiff_t place = &entry - self.order.data();
+      std::uint32_t& own = self.block_of.at(static_cast<std::size_t>(place));
+      if (own != kNobody) self.overlaps.fetch_add(1);
+      own = block;
+      if ((entry & kLastOfLeaf) != 0) ++block;
+    }
+  }
+
+  std::vector<BvhReference> references;
+  std::vector<std::uint32_t> order;
+  std::vector<BvhNode> nodes;
+  std::unique_ptr<BvhWorkspace> workspace;
+  std::vector<std::uint32_t> block_of;  ///< by place in the order
+  std::atomic<int> overlaps{0};
+  BvhSize size;
+};
+
+void check_build(std::vector<BvhReference> references, const UnitRunner& runner = {}) {
   const std::size_t count = references.size();
   for (std::size_t i = 0; i < count; ++i) references[i].index = static_cast<std::uint32_t>(i);
-  std::vector<BvhNode> nodes(max_bvh_nodes(count));
-  std::vector<std::vector<BvhReference>> leaves;
-  struct Received {
-    std::vector<std::vector<BvhReference>>& leaves;
-    BvhReference* next;
-  } received{leaves, references.data()};
-  const auto write = [](void* context, std::uint32_t block, std::span<const BvhReference> leaf) {
-    auto& [all, next] = *static_cast<Received*>(context);
-    REQUIRE(block == all.size());
+  const Built built(references, runner);
+  CHECK(built.overlaps == 0);
+  CHECK(built.size.levels <= kMaxLevels);
+  CHECK(built.size.blocks <= max_bvh_leaves(count));
+  CHECK(built.size.nodes <= bvh_node_capacity(count));
+  std::vector<std::vector<BvhReference>> leaves(built.size.blocks);
+  for (std::size_t i = 0; i < count; ++i) {
+    leaves.at(built.block_of[i]).push_back(references.at(built.order[i] & ~kLastOfLeaf));
+  }
+  for (const std::vector<BvhReference>& leaf : leaves) {
     REQUIRE((leaf.size() >= 1 && leaf.size() <= kLeafSize));
-    // Leaves take the references in their order, and what they have taken is theirs to overwrite.
-    REQUIRE(leaf.data() == next);
-    all.emplace_back(leaf.begin(), leaf.end());
-    for (std::size_t i = 0; i < leaf.size(); ++i) *next++ = BvhReference{{9, 9, 9}, ~0U, {-9, -9, -9}, ~0U};
-  };
-  const BvhSize size = build_bvh(references, nodes, LeafWriter{write, &received});
-  CHECK(size.levels <= kMaxLevels);
-  CHECK(size.blocks == leaves.size());
-  CHECK(size.blocks <= max_bvh_leaves(count));
-  CHECK(size.nodes <= max_bvh_nodes(count));
-  const Inspection tree = inspect(nodes, leaves, count);
-  CHECK(tree.leaves == size.blocks);
+  }
+  const Inspection tree = inspect(built.nodes, leaves, count);
+  CHECK(tree.leaves == built.size.blocks);
   CHECK(tree.outside == 0);
   CHECK(tree.partial_leaves <= count / kSmallestSide + 1);
   CHECK(std::count(tree.leaves_of.begin(), tree.leaves_of.end(), 1) == static_cast<std::ptrdiff_t>(count));
 }
 
 BvhReference reference_at(const Vec3& p, float size) {
-  return {{p.x - size, p.y - size, p.z - size}, 0, {p.x + size, p.y + size, p.z + size}, 0};
+  return {{p.x - size, p.y - size, p.z - size}, 0, {-(p.x + size), -(p.y + size), -(p.z + size)}, 0};
 }
 
 TEST_CASE("every number of primitives builds a tree within its bounds") {
@@ -139,6 +171,63 @@ TEST_CASE("a sequence that loses few primitives per level ends in halving before
   const std::size_t cluster = 200000;
   for (std::size_t i = 0; i < cluster; ++i) references.push_back(reference_at(Vec3{0, 0, 0}, 0.0f));
   check_build(references);
+}
+
+bool same_bytes(const Built& a, const Built& b) {
+  return a.size.nodes == b.size.nodes && a.size.blocks == b.size.blocks && a.order == b.order &&
+         a.block_of == b.block_of &&
+         std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+}
+
+TEST_CASE("any number of threads builds the same tree, bit by bit") {
+  Rng rng(3, StreamPurpose::kTest, 22);
+  // Even, crowded in a corner, and all in one place; of sizes around those at which the work is divided anew.
+  for (const std::size_t count :
+       {std::size_t{kSharedCount - 1}, std::size_t{kSharedCount}, std::size_t{70000}}) {
+    for (int kind = 0; kind < 3; ++kind) {
+      std::vector<BvhReference> references;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Vec3 p = point_in_cube(rng);
+        const Vec3 moved = kind == 0 ? p : kind == 1 ? p * (p * p) * (p * p) : Vec3{0.25f, 0, 0};
+        references.push_back(reference_at(moved, std::ldexp(1.0f, -static_cast<int>(below(rng, 12)) - 4)));
+        references.back().index = static_cast<std::uint32_t>(i);
+      }
+      const Built serial(references);
+      check_build(references);
+      for (const unsigned count_of_threads : {1U, 2U, 3U, 7U}) {
+        Threads threads(count_of_threads);
+        INFO(count << " references of kind " << kind << ", threads: " << count_of_threads);
+        CHECK(same_bytes(serial, Built(references, threads.runner())));
+      }
+    }
+  }
+}
+
+/// The blocks and nodes of a mesh's hierarchy.
+std::vector<std::byte> mesh_bytes(const std::vector<Triangle>& triangles, const UnitRunner& runner) {
+  MemoryPlan plan;
+  const GeometrySlots slots =
+      Geometry::plan(plan, GeometryCounts{0, static_cast<std::uint32_t>(triangles.size()), 0});
+  Arena arena(plan);
+  const TriangleSoup soup(triangles);
+  static_cast<void>(Geometry::build(arena, slots, {{}, soup.list(), {}}, runner));
+  std::vector<std::byte> bytes(plan.bytes(Lifetime::kScene));
+  // Scene blocks stand at the start of the arena, in the order of their lines: the leaves are the first.
+  const auto blocks = arena.raw(slots.triangles.blocks);
+  std::memcpy(bytes.data(), blocks.data(), bytes.size());
+  return bytes;
+}
+
+TEST_CASE("any number of threads leaves the same bytes of a mesh in the arena") {
+  std::vector<Triangle> triangles = tessellated_sphere(100, 101, 0.8f);
+  // Triangles without area leave gaps between the references of different parts.
+  for (std::size_t i = 0; i < triangles.size(); i += 97) triangles[i].b = triangles[i].a;
+  const std::vector<std::byte> serial = mesh_bytes(triangles, {});
+  for (const unsigned count : {1U, 2U, 3U, 7U}) {
+    Threads threads(count);
+    INFO("threads: " << count);
+    CHECK(mesh_bytes(triangles, threads.runner()) == serial);
+  }
 }
 
 TEST_CASE("memory of a mesh: at most 80 bytes a triangle, and 32 of scratch") {

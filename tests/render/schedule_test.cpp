@@ -61,6 +61,17 @@ TEST_CASE("pitfall 9: the film's hash is the same from 1, 2, 3, 7, 16 and 64 thr
   }
 }
 
+TEST_CASE("a mesh whose hierarchy 1, 2, 3 or 7 threads have built gives the same film") {
+  const SceneDescription scene = parse_scene_file("build/scenes/mesh.txt");
+  RenderRequest request = small_request(IntegratorKind::path, 40, 1, 4);
+  const std::string alone = hash_of(scene, request);
+  for (const std::uint32_t threads : {2U, 3U, 7U}) {
+    request.threads = threads;
+    INFO(threads << " threads");
+    CHECK(hash_of(scene, request) == alone);
+  }
+}
+
 TEST_CASE("another seed, depth or film gives another hash, the same job the same") {
   const SceneDescription scene = cornell_box();
   for (const IntegratorKind kind : kIntegrators) {

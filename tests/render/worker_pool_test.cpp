@@ -2,6 +2,7 @@
 // where the pool's own ordering must suffice, so that a thread sanitizer sees it when it does not.
 #include "render/worker_pool.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -84,6 +85,21 @@ TEST_CASE("phases follow each other, and each sees what the one before wrote") {
     REQUIRE(counters.all_units_equal(phase + 1));
   }
   CHECK(counters.total_of_workers() == kUnits * kPhases);
+}
+
+TEST_CASE("as a runner of units the pool runs each once, and its caller sees what they wrote") {
+  for (const std::uint32_t workers : {1U, 2U, 7U}) {
+    Pool pool(workers);
+    const UnitRunner runner = pool->runner();
+    for (const std::uint64_t units : {0U, 1U, 2U, 63U, 1000U}) {
+      INFO(workers << " threads, " << units << " units");
+      std::vector<std::uint32_t> runs(units);
+      for (std::uint32_t round = 1; round <= 20; ++round) {
+        runner.run(units, [&](std::uint64_t unit) { runs[unit] += 1; });
+        REQUIRE(std::count(runs.begin(), runs.end(), round) == static_cast<std::ptrdiff_t>(units));
+      }
+    }
+  }
 }
 
 /// Sets the stop flag in one unit and notes which units ran.

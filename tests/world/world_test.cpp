@@ -102,14 +102,14 @@ TEST_CASE("a description with material parameters out of range is refused, whoev
   CHECK_THROWS_AS(CompiledScene(scene, 8, 8), InputError);
 }
 
-TEST_CASE("a mesh of a million triangles takes less than 105 bytes a triangle to compile and to keep") {
+TEST_CASE("a mesh of a million triangles takes less than 108 bytes a triangle to compile and to keep") {
   WorldCounts counts;
   counts.geometry.triangles = 1'000'000;
   counts.triangle_vertices = 500'000;
   counts.materials = 1;
   MemoryPlan plan;
   plan_world(plan, counts);
-  CHECK(plan.total_bytes() < 105'000'000);
+  CHECK(plan.total_bytes() < 108'000'000);
   CHECK(plan.bytes(Lifetime::kScene) < 87'000'000);
 }
 
