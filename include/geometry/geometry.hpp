@@ -95,7 +95,7 @@ class Geometry {
   template <bool kGeneral>
   Hit intersect(const Ray& ray) const;
 
-  /// Whether intersect would find a hit on another primitive than `target`.
+  /// Whether intersect would find a hit, on another polygon than `target`.
   template <bool kGeneral>
   bool occluded(const Ray& ray, std::uint32_t target = kNoPrimitive) const;
 

@@ -198,7 +198,9 @@ template <bool kGeneral>
       if (flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_, target)) return true;
     }
     const RayFrame frame(ray, lanes, extent_);
-    return list_occluded(quads_, frame, limit, target) || list_occluded(spheres_, frame, limit, target) ||
+    // A sphere can hide its own far side.
+    return list_occluded(quads_, frame, limit, target) ||
+           list_occluded(spheres_, frame, limit, kNoPrimitive) ||
            list_occluded(triangles_, frame, limit, target);
   } else {
     if (flat_lists_.empty()) return blocks_occluded(quads_, RayFrame(ray, lanes, extent_), limit, target);

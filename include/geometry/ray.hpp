@@ -58,7 +58,7 @@ MLT_INLINE void set_lane_of(HitOf<F>& hits, int lane, const Hit& hit) {
 }
 
 /// Primitives at the ends of a shadow segment, kNoPrimitive where there is none. The one it starts from it
-/// does not meet again; the target, a light, is no obstacle.
+/// does not meet again; the target, a light, is no obstacle if it is a polygon.
 template <class F>
 struct SegmentEnds {
   UintOf<F> leaves = broadcast_bits<UintOf<F>>(kNoPrimitive);
