@@ -267,15 +267,18 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
   }
 }
 
-/// Whether the list blocks the ray, where test(polygon) decides for polygons on which there is doubt.
+/// Whether the list without `target` blocks the ray, where test(polygon) decides for polygons on which there
+/// is doubt.
 template <class Test>
-MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat limit, Test&& test) {
+MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat limit, std::uint32_t target,
+                           Test&& test) {
   LaneInt rejected[kFlatBlocks];
   LaneInt all = bits_of(limit) | -1;
   LaneInt sure{};
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    const auto bounds = bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit, LaneInt{});
+    const auto bounds =
+        bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit, block.primitive == target);
     sure |= bounds.sure;
     all &= bounds.rejected;
     rejected[i] = bounds.rejected;

@@ -143,10 +143,10 @@ MLT_INLINE bool blocks_ray(const QuadBlock& block, const RayFrame& ray, LaneFloa
 MLT_INLINE bool flat_occluded(const FlatList& list, const FlatRay& flat_ray, const Ray& ray,
                               const RayLanes& lanes, float extent, std::uint32_t target) {
   const float limit = ray.t_max;
-  return blocks_ray(list, flat_ray, broadcast(limit), [&](const FlatPolygon& polygon) {
+  return blocks_ray(list, flat_ray, broadcast(limit), target, [&](const FlatPolygon& polygon) {
     QuadHit met;
-    return polygon.quad.primitive != target && cross_quad(polygon.quad, ray, RayShear(ray, lanes), met) &&
-           met.t < limit && box_entry(polygon, RaySlabs(lanes, extent)) < limit;
+    return cross_quad(polygon.quad, ray, RayShear(ray, lanes), met) && met.t < limit &&
+           box_entry(polygon, RaySlabs(lanes, extent)) < limit;
   });
 }
 

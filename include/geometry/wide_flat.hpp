@@ -333,7 +333,7 @@ MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, fl
   if (any(doubted)) {
     WideBestHit<F> met(ray.t_max);
     in_doubt |= met.visit(list, select(doubted, doubtful, U{}), frame, extent, doubted);
-    blocked |= doubted & met.hit.found();
+    blocked |= doubted & not_in(in_doubt) & met.hit.found();
   }
   return blocked;
 }

@@ -1,0 +1,113 @@
+// Many rays against a flat list, each with the bits that it gets alone: also those on which the fast test
+// leaves doubt, which rays at edges, at coinciding quads and from quads' own surfaces see to.
+#include "geometry/wide_flat.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/scene_fixture.hpp"
+
+namespace mlt::test {
+namespace {
+
+using F = WideFloat;
+
+/// Tilted parallelograms that cross each other, a third of them twice in the same place.
+Shapes crossing_quads(std::uint64_t seed) {
+  Rng rng(seed, StreamPurpose::kTest, 0);
+  Shapes shapes;
+  for (int i = 0; i < 24; ++i) {
+    const Vec3 a = point_in_cube(rng);
+    const Vec3 u = point_in_cube(rng);
+    const Vec3 v = point_in_cube(rng);
+    shapes.quads.push_back(i % 3 == 2 ? shapes.quads.back() : Quad{a, a + u, a + u + v, a + v});
+  }
+  return shapes;
+}
+
+/// A direction, towards a corner or an edge of some quad every other time.
+Vec3 direction_from(const Vec3& origin, const Shapes& shapes, Rng& rng) {
+  const Quad& quad = shapes.quads[rng.next_fixed() % shapes.quads.size()];
+  const std::uint32_t kind = rng.next_fixed() % 4;
+  const float along = rng.next_float();
+  const Vec3 free = point_in_cube(rng);
+  if (kind == 0) return quad.c - origin;
+  if (kind == 1) return (quad.a + (quad.b - quad.a) * along) - origin;
+  return free;
+}
+
+struct RayInLane {
+  Ray ray;
+  std::uint32_t leaves = kNoPrimitive;
+};
+
+/// A ray from anywhere, or from where another one hits.
+RayInLane some_ray(const Geometry& geometry, const Shapes& shapes, Rng& rng) {
+  const Vec3 origin = point_in_cube(rng) * 1.5f;
+  const Ray first{origin, direction_from(origin, shapes, rng), std::numeric_limits<float>::infinity()};
+  const Hit hit = geometry.intersect<false>(first);
+  const std::uint32_t choice = rng.next_fixed() % 3;
+  const Vec3 away = point_in_cube(rng);
+  if (choice == 0 || !hit.found()) return {first};
+  const SurfacePoint point = geometry.surface_point<false>(first, hit);
+  const Vec3 origin_off = point.origin_towards(away);
+  return {Ray{origin_off, away, choice == 1 ? first.t_max : 1.0f}, hit.primitive};
+}
+
+void check_same(const Hit& found, const Hit& expected) {
+  REQUIRE(found.primitive == expected.primitive);
+  if (!expected.found()) return;
+  REQUIRE(as_bits(found.t) == as_bits(expected.t));
+  REQUIRE(found.slot == expected.slot);
+  REQUIRE(as_bits(found.weights[0]) == as_bits(expected.weights[0]));
+  REQUIRE(as_bits(found.weights[1]) == as_bits(expected.weights[1]));
+}
+
+TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
+  int hits = 0, blocked = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Shapes shapes = crossing_quads(seed);
+    const BuiltGeometry built(shapes, kAlwaysBounds);
+    const Geometry& geometry = *built;
+    Rng rng(seed, StreamPurpose::kTest, 1);
+    for (int group = 0; group < 4000; ++group) {
+      RayInLane alone[kWideLanes];
+      RayOf<F> rays;
+      SegmentEnds<F> ends;
+      MaskOf<F> active{};
+      for (int lane = 0; lane < kWideLanes; ++lane) {
+        alone[lane] = some_ray(geometry, shapes, rng);
+        set_lane_of(rays.origin, lane, alone[lane].ray.origin);
+        set_lane_of(rays.direction, lane, alone[lane].ray.direction);
+        set_lane_of(rays.t_max, lane, alone[lane].ray.t_max);
+        set_lane_of(ends.leaves, lane, alone[lane].leaves);
+        set_lane_of(ends.target, lane, rng.next_fixed() % 24U);
+        if (rng.next_float() < 0.9f) set_lane_of(active, lane, kLaneTrue<F>);
+      }
+      const HitOf<F> found = geometry.intersect_lanes<false, F>(rays, ends.leaves, active);
+      const MaskOf<F> is_blocked = geometry.occluded_lanes<false, F>(rays, ends, active);
+      const SurfacePointOf<F> points = geometry.surface_points<false, F>(rays, found, active);
+      for_lanes(active, [&](int lane) {
+        const Ray& ray = alone[lane].ray;
+        const Hit expected = geometry.intersect<false>(ray);
+        check_same(lane_of(found, lane), expected);
+        const bool expected_block = geometry.occluded<false>(ray, lane_of(ends.target, lane));
+        REQUIRE((lane_of(is_blocked, lane) != 0) == expected_block);
+        hits += expected.found() ? 1 : 0;
+        blocked += expected_block ? 1 : 0;
+        if (!expected.found()) return;
+        const SurfacePoint point = geometry.surface_point<false>(ray, expected);
+        REQUIRE(lane_of(points.position, lane) == point.position);
+        REQUIRE(lane_of(points.normal, lane) == point.normal);
+        REQUIRE(as_bits(lane_of(points.offset_bound, lane)) == as_bits(point.offset_bound));
+      });
+    }
+  }
+  CHECK(hits > 10000);
+  CHECK(blocked > 5000);
+}
+
+}  // namespace
+}  // namespace mlt::test
