@@ -98,6 +98,9 @@ $(OUT)/mlt: $(call stage_objects,app) $(call objects,$(MAIN))
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
 
+# The code of a set, from objects into one, in a section of its own: what a render does not use need not be in memory.
+IN_ONE_SECTION = echo 'SECTIONS { kernels_$(1) : { *(.text .text.*) } }' >$(3).ld && \
+  ld -r --force-group-allocation -T $(3).ld $(2) -o $(3) && rm $(3).ld
 define KERNEL_SET
 $(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE) | deps
 	@mkdir -p $$(dir $$@)
@@ -106,7 +109,7 @@ $(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE) | deps
 
 $(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
 	$$(SAY) "  combine $$@"
-	$$(Q)ld -r --force-group-allocation $$^ -o $$@.all
+	$$(Q)$$(call IN_ONE_SECTION,$(1),$$^,$$@.all)
 	$$(Q)objcopy --keep-global-symbol=mlt_kernel_set_$(1) $$@.all $$@
 	@rm $$@.all
 endef
@@ -140,6 +143,7 @@ $(OUT)/src/%.o: src/%.cpp $(FLAGS_FILE) $(SOURCE_PCH) | deps
 	@mkdir -p $(dir $@)
 	$(SAY) "  compile $@"
 	$(Q)$(CXX) $(CXXFLAGS) $(if $(SOURCE_PCH),$(if $(findstring /kernel_group_,$@),,$(call READ_PCH,sources))) -c $< -o $@
+	$(if $(and $(EXTRA_SETS),$(findstring /kernel_group_,$@)),$(Q)$(call IN_ONE_SECTION,base,$@,$@.one) && mv $@.one $@)
 
 # Tests include Catch, whose templates g++ warns about under a sanitizer (gcc bug 105562): its own main is
 # compiled without warnings.

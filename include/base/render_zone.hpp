@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "base/planted_fault.hpp"
 
@@ -20,10 +21,17 @@ void leave_render_zone();
 /// True from any thread while a zone is open. Lock-free and callable from a malloc hook.
 bool in_render_zone();
 
-/// Reads every page of the segments of the program and of the libraries that rendering calls, and writes the
-/// writable ones with the values they hold, so that neither file mappings nor copies on write fault later.
+/// Machine code in memory.
+struct CodeRange {
+  const char* begin = nullptr;
+  const char* end = nullptr;
+};
+
+/// Reads every page of the segments of the program and of the libraries that rendering calls, but for those
+/// within `unused`, and writes the writable ones with the values they hold, so that neither file mappings nor
+/// copies on write fault later.
 /// Safe while other threads run. Once per process is enough; the pages stay unless the system reclaims them.
-void prefault_process();
+void prefault_process(std::span<const CodeRange> unused = {});
 
 /// Touches the next `bytes` of the calling thread's stack, in steps of a page. The stack must be that large.
 void prefault_stack(std::size_t bytes);

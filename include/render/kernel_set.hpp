@@ -4,6 +4,7 @@
 // function compiled for one set can be called by another.
 #pragma once
 
+#include "base/render_zone.hpp"
 #include "render/instruction_set.hpp"
 #include "render/kernel.hpp"
 #include "world/world.hpp"
@@ -20,5 +21,8 @@ struct KernelSet {
 
 /// The set must be supported.
 const KernelSet& kernel_set(InstructionSet set);
+
+/// The code of a set where that lies in one piece, else nothing.
+CodeRange code_of(InstructionSet set);
 
 }  // namespace mlt

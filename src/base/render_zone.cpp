@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <span>
 #include <string>
 
 #include "base/assert.hpp"
@@ -58,9 +59,21 @@ bool is_called(const dl_phdr_info& info) {
   return false;
 }
 
-/// One loaded object: its segments, without writing to what the loader made read-only after relocation.
-int touch_object(dl_phdr_info* info, std::size_t, void*) {
+/// The end of the range that holds the address, or 0.
+std::uintptr_t end_of_range(std::span<const CodeRange> ranges, std::uintptr_t address) {
+  for (const CodeRange& range : ranges) {
+    const auto begin = reinterpret_cast<std::uintptr_t>(range.begin);
+    const auto end = reinterpret_cast<std::uintptr_t>(range.end);
+    if (address >= begin && address < end) return end;
+  }
+  return 0;
+}
+
+/// One loaded object: its segments, without writing to what the loader made read-only after relocation, and
+/// without the pages that hold nothing but unused code.
+int touch_object(dl_phdr_info* info, std::size_t, void* context) {
   if (!is_called(*info)) return 0;
+  const auto& unused = *static_cast<const std::span<const CodeRange>*>(context);
   const std::uintptr_t page = page_bytes();
   const auto round_down = [page](std::uintptr_t address) { return address / page * page; };
   std::uintptr_t relro_begin = 0;
@@ -79,6 +92,8 @@ int touch_object(dl_phdr_info* info, std::size_t, void*) {
     const std::uintptr_t end = first + header.p_memsz;
     for (std::uintptr_t at = first; at < end; at = round_down(at) + page) {
       const bool relro = at >= relro_begin && at < relro_end;
+      const std::uintptr_t unused_end = end_of_range(unused, at);
+      if (unused_end != 0 && round_down(at) + page <= unused_end) continue;
       if ((header.p_flags & PF_W) != 0 && !relro) {
         touch_writable(at);
       } else {
@@ -106,8 +121,8 @@ bool in_render_zone() {
   return g_open_zones.load(std::memory_order_relaxed) > 0;
 }
 
-void prefault_process() {
-  ::dl_iterate_phdr(touch_object, nullptr);
+void prefault_process(std::span<const CodeRange> unused) {
+  ::dl_iterate_phdr(touch_object, &unused);
 }
 
 MLT_TOUCHES_ANYTHING void prefault_stack(std::size_t bytes) {

@@ -3,9 +3,12 @@
 #include "base/assert.hpp"
 #include "render/kernel_set.hpp"
 
-// A set that the binary was linked without has no address.
-#define MLT_DECLARE(name, help, condition) \
-  extern "C" [[gnu::weak]] const mlt::KernelSet mlt_kernel_set_##name;
+// A set that the binary was linked without has no address. The linker defines the ends of the section that
+// the Makefile puts a set's code into.
+#define MLT_DECLARE(name, help, condition)                                                 \
+  extern "C" [[gnu::weak]] const mlt::KernelSet mlt_kernel_set_##name;                     \
+  extern "C" [[gnu::weak, gnu::visibility("hidden")]] const char __start_kernels_##name[]; \
+  extern "C" [[gnu::weak, gnu::visibility("hidden")]] const char __stop_kernels_##name[];
 MLT_INSTRUCTION_SETS(MLT_DECLARE)
 #undef MLT_DECLARE
 
@@ -58,6 +61,17 @@ const KernelSet& kernel_set(InstructionSet set) {
 #undef MLT_CASE
   }
   return mlt_kernel_set_base;
+}
+
+CodeRange code_of(InstructionSet set) {
+  switch (set) {
+#define MLT_CASE(name, help, condition) \
+  case InstructionSet::name:            \
+    return {__start_kernels_##name, __stop_kernels_##name};
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
+  }
+  return {};
 }
 
 }  // namespace mlt

@@ -49,6 +49,16 @@ struct Usage {
   }
 };
 
+/// Code that the job does not run, and of which nothing need be in memory.
+std::vector<CodeRange> code_of_other_sets(InstructionSet used) {
+  std::vector<CodeRange> ranges;
+#define MLT_ADD(name, help, condition) \
+  if (used != InstructionSet::name) ranges.push_back(code_of(InstructionSet::name));
+  MLT_INSTRUCTION_SETS(MLT_ADD)
+#undef MLT_ADD
+  return ranges;
+}
+
 }  // namespace
 
 struct EstimateContext;
@@ -287,7 +297,7 @@ void Renderer::prepare() {
   State& state = *state_;
   const JobPlan& plan = state.plan;
   state.arena = std::make_unique<Arena>(plan.memory);
-  prefault_process();
+  prefault_process(code_of_other_sets(plan.job.instruction_set));
   state.pool.start(state.arena->take(plan.slots.stacks), state.arena->take(plan.slots.threads));
   state.world = kernel_set(plan.job.instruction_set)
                     .compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
