@@ -39,7 +39,7 @@ MLT_INLINE BsdfSampleOf<F> sample(const MaterialOf<F>& material, const Vec3Of<F>
   const F cos2_t = 1.0f - sin2_t;
   const MaskOf<F> can_pass = cos2_t > 0.0f;
   const F cos_t = square_root(select(can_pass, cos2_t, F{}));
-  const F reflected = select(can_pass, fresnel_dielectric(cos_i, cos_t, eta), one);
+  const F reflected = select(can_pass, fresnel_dielectric(cos_i, nonzero<F>(can_pass, cos_t), eta), one);
   const MaskOf<F> reflects = u_lobe < reflected;
   // No interface: exactly straight on, without the rounding that Snell's law would add.
   const MaskOf<F> is_invisible = material.ior == 1.0f;
