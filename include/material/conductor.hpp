@@ -34,6 +34,7 @@ MLT_INLINE Reflection<F> reflect_rough(const MaterialOf<F>& material, const Vec3
   const Vec3Of<F> sum = wo + wi;
   const F sum_length = length(sum);
   valid = valid & (sum_length > 0.0f);
+  if (!any(valid)) return {Vec3Of<F>{F{}, F{}, F{}}, F{}, F{}};
   const Vec3Of<F> h = sum * (1.0f / nonzero(valid, sum_length));
   const F alpha = nonzero(valid, material.roughness);
   const F length_o = ggx_stretched_length<F>(alpha, wo);
