@@ -59,7 +59,10 @@ MLT_INLINE Reflection<F> reflect_rough(const MaterialOf<F>& material, const Vec3
 
 template <class F>
 MLT_INLINE BsdfValueOf<F> evaluate(const MaterialOf<F>& material, const Vec3Of<F>& wo, const Vec3Of<F>& wi) {
-  const MaskOf<F> valid = same_side(wo.z, wi.z) & not_in(MaskOf<F>(material.roughness == 0.0f));
+  const MaskOf<F> is_smooth = material.roughness == 0.0f;
+  const MaskOf<F> same = same_side(wo.z, wi.z);
+  const MaskOf<F> is_rough = not_in(is_smooth);
+  const MaskOf<F> valid = same & is_rough;
   if (!any(valid)) return {};
   const Reflection<F> reflection = reflect_rough<F>(material, Vec3Of<F>{wo.x, wo.y, magnitude(wo.z)},
                                                     Vec3Of<F>{wi.x, wi.y, magnitude(wi.z)}, valid);
