@@ -56,6 +56,7 @@ class PathIntegrator {
   }
 
   /// Evaluates one path in each lane of `active`; calls sink(SplatOf<F>, active) once. Values may be zero.
+  /// A sink with expect(pixels, active) is told before tracing where they will be splatted.
   template <class Sampler, class Sink>
   void evaluate(Sampler& sampler, Sink&& sink, M active = not_in(M{})) const {
     const UintOf<F> sample_x = sampler.next_fixed(active);
@@ -63,7 +64,9 @@ class PathIntegrator {
     const FilmPositionOf<F> film = world_.camera.film_position<F>(sample_x, sample_y);
     const RayOf<F> ray{broadcast_to<F>(world_.camera.eye), world_.camera.direction<F>(film),
                        broadcast_to<F>(kInfinity)};
-    sink(SplatOf<F>{film.y * world_.camera.width + film.x, trace(sampler, ray, active)}, active);
+    const UintOf<F> pixel = film.y * world_.camera.width + film.x;
+    if constexpr (requires { sink.expect(pixel, active); }) sink.expect(pixel, active);
+    sink(SplatOf<F>{pixel, trace(sampler, ray, active)}, active);
   }
 
  private:

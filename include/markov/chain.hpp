@@ -61,7 +61,7 @@ struct ChainStatistics {
 
 /// As many chains as the integrator has lanes, mutation by mutation; each is the chain that it would be
 /// alone. Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I +
-/// p w).
+/// p w), and prefetch(pixel), which is called early for each proposal.
 template <class Integrator, class Film>
 class ChainGroup {
   using F = typename Integrator::Float;
@@ -162,7 +162,8 @@ class ChainGroup {
     evaluate_into(
         integrator_, samples_, active,
         [this](int lane) -> Contribution& { return *proposed_[lane].contribution; },
-        [this](int lane) -> DefectCounts& { return statistics_of(lane).defects; });
+        [this](int lane) -> DefectCounts& { return statistics_of(lane).defects; },
+        [this](int lane, std::uint32_t pixel) { films_[static_cast<std::size_t>(lane)].prefetch(pixel); });
     const UintOf<F> dimensions = samples_.dimension();
     F acceptances{};
     for_lanes(active, [&](int lane) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "base/assert.hpp"
 #include "integrator/splat.hpp"
@@ -101,23 +102,43 @@ struct Contributions {
   }
 };
 
+/// The sink of evaluate_into.
+template <class F, class ContributionOf, class Expect>
+struct ContributionSink {
+  ContributionOf& contribution_of;
+  Expect& expect_pixel;
+
+  MLT_INLINE void operator()(const SplatOf<F>& splat, MaskOf<F> lanes = not_in(MaskOf<F>{})) const {
+    for_lanes(lanes, [&](int lane) {
+      contribution_of(lane).add(Splat{lane_of(splat.pixel, lane), lane_of(splat.value, lane)});
+    });
+  }
+  MLT_INLINE void expect(const UintOf<F>& pixels, MaskOf<F> lanes) const {
+    for_lanes(lanes, [&](int lane) { expect_pixel(lane, lane_of(pixels, lane)); });
+  }
+};
+
 /// Evaluates the vectors of primary samples of the lanes of `active` into contribution_of(lane);
-/// defects_of(lane) counts defects.
+/// defects_of(lane) counts defects, and expect_pixel(lane, pixel) is told of pixels that are likely to be
+/// splatted, as early as the integrator knows.
+template <class Integrator, class Sampler, class ContributionOf, class DefectsOf, class ExpectPixel>
+MLT_INLINE void evaluate_into(const Integrator& integrator, Sampler& sampler,
+                              MaskOf<typename Integrator::Float> active, ContributionOf&& contribution_of,
+                              DefectsOf&& defects_of, ExpectPixel&& expect_pixel) {
+  using F = typename Integrator::Float;
+  for_lanes(active, [&](int lane) { contribution_of(lane).clear(); });
+  using Sink =
+      ContributionSink<F, std::remove_reference_t<ContributionOf>, std::remove_reference_t<ExpectPixel>>;
+  integrator.evaluate(sampler, Sink{contribution_of, expect_pixel}, active);
+  for_lanes(active, [&](int lane) { contribution_of(lane).finish(defects_of(lane)); });
+}
+
+/// The same where nobody waits for pixels.
 template <class Integrator, class Sampler, class ContributionOf, class DefectsOf>
 MLT_INLINE void evaluate_into(const Integrator& integrator, Sampler& sampler,
                               MaskOf<typename Integrator::Float> active, ContributionOf&& contribution_of,
                               DefectsOf&& defects_of) {
-  using F = typename Integrator::Float;
-  for_lanes(active, [&](int lane) { contribution_of(lane).clear(); });
-  integrator.evaluate(
-      sampler,
-      [&](const SplatOf<F>& splat, MaskOf<F> lanes = not_in(MaskOf<F>{})) {
-        for_lanes(lanes, [&](int lane) {
-          contribution_of(lane).add(Splat{lane_of(splat.pixel, lane), lane_of(splat.value, lane)});
-        });
-      },
-      active);
-  for_lanes(active, [&](int lane) { contribution_of(lane).finish(defects_of(lane)); });
+  evaluate_into(integrator, sampler, active, contribution_of, defects_of, [](int, std::uint32_t) {});
 }
 
 }  // namespace mlt

@@ -102,6 +102,8 @@ class DoubleFilm {
     }
   }
 
+  void prefetch(std::uint32_t) const {}
+
   /// Radiance, three channels a pixel (docs/ESTIMATOR.md).
   std::vector<double> develop(double b, double weight_b, std::uint64_t mutations) const {
     const double scale = static_cast<double>(metropolis_.size() / 3) / static_cast<double>(mutations);
