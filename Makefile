@@ -310,9 +310,26 @@ $(OUT)/bench/%: $(OUT)/tests/bench/%.o $(call stage_objects,converge)
 	@mkdir -p $(dir $@)
 	$(SAY) "  link    $@"
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LIBS) -o $@
-# One table and build/bench/bench.csv; BENCH_QUICK=1 takes few runs.
+# Rays with what instruction sets beyond the variant's own make of geometry; what does not trace is the variant's.
+define RAY_BENCH
+$(OUT)/$(1)/bench/ray_bench.o: tests/bench/ray_bench.cpp $$(FLAGS_FILE) | deps
+	@mkdir -p $$(dir $$@)
+	$$(SAY) "  compile $$@"
+	$$(Q)$$(CXX) $$(CXXFLAGS) -Itests $$(SET_FLAGS_$(1)) -DMLT_BENCH_SET=$(1) -c $$< -o $$@
+$(OUT)/bench/ray_bench_$(1): LIBS += $$(if $$(wildcard /usr/include/embree3/rtcore.h),-lembree3)
+$(OUT)/bench/ray_bench_$(1): $(OUT)/$(1)/bench/ray_bench.o \
+  $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(wildcard src/geometry/*.cpp)) \
+  $$(call objects,$$(foreach s,base math,$$(call sources,$$(s))) $$(addprefix src/render/,instruction_set.cpp \
+    worker_pool.cpp) src/converge/statistics.cpp)
+	@mkdir -p $$(dir $$@)
+	$$(SAY) "  link    $$@"
+	$$(Q)$$(CXX) $$(LDFLAGS) $$^ $$(LIBS) -o $$@
+endef
+$(foreach s,$(EXTRA_SETS),$(eval $(call RAY_BENCH,$(s))))
+BENCHES += $(EXTRA_SETS:%=$(OUT)/bench/ray_bench_%)
 # Builds without running.
 benches: $(BENCHES)
+# One table and build/bench/bench.csv; BENCH_QUICK=1 takes few runs.
 bench: $(BENCHES) scenes
 	tools/bench.sh build/bench $(FLAGS_FILE) $(BENCHES)
 

@@ -223,6 +223,20 @@ template <bool kGeneral>
   return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
 }
 
+/// Rays one by one. All are written before the first is traced: what reads a ray by vectors would wait for
+/// what was just written by components.
+template <class F>
+class LaneRays {
+ public:
+  MLT_INLINE LaneRays(const RayOf<F>& ray, const MaskOf<F>& active) {
+    for_lanes(active, [&](int lane) { rays_[lane] = lane_of(ray, lane); });
+  }
+  MLT_INLINE const Ray& operator[](int lane) const { return rays_[lane]; }
+
+ private:
+  Ray rays_[kLaneCount<F>];
+};
+
 template <bool kGeneral, class F>
 MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves,
                                                 const MaskOf<F>& active) const {
@@ -231,7 +245,8 @@ MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintO
   if constexpr (!kGeneral && VectorType<F>) {
     if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
   }
-  for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(lane_of(ray, lane))); });
+  const LaneRays<F> rays(ray, alone);
+  for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(rays[lane])); });
   return hits;
 }
 
@@ -245,9 +260,9 @@ MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const Segme
       blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
     }
   }
+  const LaneRays<F> rays(ray, alone);
   for_lanes(alone, [&](int lane) {
-    if (occluded<kGeneral>(lane_of(ray, lane), lane_of(ends.target, lane)))
-      set_lane_of(blocked, lane, kLaneTrue<F>);
+    if (occluded<kGeneral>(rays[lane], lane_of(ends.target, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);
   });
   return blocked;
 }

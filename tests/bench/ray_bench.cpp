@@ -1,9 +1,11 @@
 // Nanoseconds per ray by kind (primary, cosine-distributed bounce, shadow segment) for a Cornell-like
 // box of 18 quads, a box around one glassy-smooth ball of 131k triangles and a rough one of 1M: one thread,
 // CPU time; medians of interleaved rounds, so that a change of the clock's frequency or another process meets
-// all alike. And the time to build their hierarchies by 1, 2 and 4 threads. With the argument "crossover" it
-// compares flat lists with trees for growing counts instead, which is where FlatLimits comes from. Where
-// libembree-dev is there, Embree meets the same rays and builds from the same triangles.
+// all alike. Rays go one by one, and in groups of as many as renders trace together. And the time to build
+// their hierarchies by 1, 2 and 4 threads. With the argument "crossover" it compares flat lists with trees
+// for growing counts instead, which is where FlatLimits comes from. Where libembree-dev is there, Embree
+// meets the same rays and builds from the same triangles. The Makefile compiles it once for each instruction
+// set.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -12,7 +14,8 @@
 #include <memory>
 
 #include "embree.hpp"
-#include "geometry/scene_fixture.hpp"
+#include "ray_sets.hpp"
+#include "render/instruction_set.hpp"
 #include "render/worker_pool.hpp"
 #include "row.hpp"
 
@@ -23,105 +26,90 @@ double seconds_since(double start) {
   return cpu_seconds() - start;
 }
 
-Quad quad(const Vec3& a, const Vec3& u, const Vec3& v) {
-  return {a, a + u, (a + u) + v, a + v};
-}
+#ifndef MLT_BENCH_SET
+#define MLT_BENCH_SET base
+#endif
+constexpr InstructionSet kSet = InstructionSet::MLT_BENCH_SET;
 
-void add_block(std::vector<Quad>& quads, const Vec3& corner, const Vec3& x, const Vec3& z, float height) {
-  const Vec3 y{0, height, 0};
-  quads.push_back(quad(corner + y, x, z));
-  quads.push_back(quad(corner, x, z));
-  for (const Vec3& from : {corner, corner + z}) quads.push_back(quad(from, x, y));
-  for (const Vec3& from : {corner, corner + x}) quads.push_back(quad(from, z, y));
-}
+#if defined(__x86_64__)
+#define MLT_CPU_HAS(feature) (__builtin_cpu_supports(feature) != 0)
+#else
+#define MLT_CPU_HAS(feature) false
+#endif
 
-/// Five walls, a light below the ceiling and two turned blocks; the open side is at z = 1.
-std::vector<Quad> cornell_quads() {
-  const Vec3 x{2, 0, 0}, y{0, 2, 0}, z{0, 0, 2};
-  std::vector<Quad> quads{
-      quad({-1, -1, -1}, x, z), quad({-1, 1, -1}, x, z),
-      quad({-1, -1, -1}, x, y), quad({-1, -1, -1}, y, z),
-      quad({1, -1, -1}, y, z),  quad({-0.25f, 0.99f, -0.25f}, {0.5f, 0, 0}, {0, 0, 0.5f})};
-  add_block(quads, {-0.7f, -1, -0.4f}, {0.57f, 0, -0.17f}, {0.17f, 0, 0.57f}, 1.2f);
-  add_block(quads, {0.1f, -1, 0.1f}, {0.57f, 0, 0.17f}, {-0.17f, 0, 0.57f}, 0.6f);
-  return quads;
-}
-
-/// The walls of the box around a ball of about 2 * rings * segments triangles with bumps of the given height.
-Shapes ball_in_box(int rings, int segments, float bumps) {
-  Shapes shapes;
-  shapes.quads = cornell_quads();
-  shapes.quads.resize(6);
-  shapes.triangles = tessellated_sphere(rings, segments, 0.7f);
-  const auto displaced = [&](const Vec3& p) {
-    const float wave = std::sin(17.0f * p.x) * std::sin(19.0f * p.y) * std::sin(23.0f * p.z);
-    return p * (1.0f + bumps * wave);
-  };
-  for (Triangle& t : shapes.triangles) t = {displaced(t.a), displaced(t.b), displaced(t.c)};
-  return shapes;
-}
-
-struct RaySets {
-  std::vector<Ray> primary, bounce, shadow;
-};
-
-/// Rays as a path tracer makes them: a pinhole image in pixel order, then from each point hit a
-/// cosine-distributed direction and a segment to the light.
-template <bool kGeneral>
-RaySets make_rays(const Geometry& geometry, int side) {
-  RaySets rays;
-  Rng rng(1, StreamPurpose::kTest, 40);
-  for (int i = 0; i < side * side; ++i) {
-    const float x = (static_cast<float>(i % side) + rng.next_float()) / static_cast<float>(side) - 0.5f;
-    const float y = (static_cast<float>(i / side) + rng.next_float()) / static_cast<float>(side) - 0.5f;
-    Ray ray{Vec3{0, 0, 3.2f}, normalize(Vec3{x * 0.85f, y * 0.85f, -1}), 1e30f};
-    rays.primary.push_back(ray);
-    // Bounces start anywhere along a path, not only at what the camera sees.
-    for (int depth = 0; depth < 2; ++depth) {
-      const Hit hit = geometry.intersect<kGeneral>(ray);
-      if (!hit.found()) break;
-      const SurfacePoint point = geometry.surface_point<kGeneral>(ray, hit);
-      const Vec3 normal = dot(point.normal, ray.direction) < 0 ? point.normal : -point.normal;
-      const Vec3 light = Vec3{-0.25f + 0.5f * rng.next_float(), 0.985f, -0.25f + 0.5f * rng.next_float()};
-      const Vec3 origin = point.origin_towards(normal);
-      rays.shadow.push_back({origin, light - origin, 1.0f});
-      ray = {origin, normalize(normal + unit_direction(rng) * 0.9999f), 1e30f};
-      rays.bounce.push_back(ray);
-    }
+/// Whether the processor can run what this source is compiled to.
+bool can_run() {
+  switch (kSet) {
+#define MLT_CASE(name, help, condition) \
+  case InstructionSet::name:            \
+    return condition;
+    MLT_INSTRUCTION_SETS(MLT_CASE)
+#undef MLT_CASE
   }
-  return rays;
+  return false;
 }
 
 volatile std::uint32_t sink;
 
-template <bool kGeneral>
-double time_closest(const Geometry& geometry, const std::vector<Ray>& rays) {
-  const auto start = cpu_seconds();
-  std::uint32_t sum = 0;
-  for (const Ray& ray : rays) sum += geometry.intersect<kGeneral>(ray).primitive;
-  sink = sum;
-  return seconds_since(start) * 1e9 / static_cast<double>(rays.size());
+/// Nanoseconds of one of `count` items, of which run() does all and returns a result.
+template <class Run>
+double time_each(std::size_t count, Run&& run) {
+  const double start = cpu_seconds();
+  sink = run();
+  return seconds_since(start) * 1e9 / static_cast<double>(count);
 }
 
 template <bool kGeneral>
-double time_surface(const Geometry& geometry, const std::vector<Ray>& rays) {
-  const auto start = cpu_seconds();
-  float sum = 0;
-  for (const Ray& ray : rays) {
-    const Hit hit = geometry.intersect<kGeneral>(ray);
-    if (hit.found()) sum += geometry.surface_point<kGeneral>(ray, hit).offset_bound;
-  }
-  sink = sum > 0;
-  return seconds_since(start) * 1e9 / static_cast<double>(rays.size());
+double time_closest(const Geometry& geometry, const RaySet& set) {
+  return time_each(set.rays.size(), [&] {
+    std::uint32_t sum = 0;
+    for (const Ray& ray : set.rays) sum += geometry.intersect<kGeneral>(ray).primitive;
+    return sum;
+  });
 }
 
 template <bool kGeneral>
-double time_occluded(const Geometry& geometry, const std::vector<Ray>& rays) {
-  const auto start = cpu_seconds();
-  std::uint32_t sum = 0;
-  for (const Ray& ray : rays) sum += geometry.occluded<kGeneral>(ray);
-  sink = sum;
-  return seconds_since(start) * 1e9 / static_cast<double>(rays.size());
+double time_closest_groups(const Geometry& geometry, const RaySet& set) {
+  return time_each(set.rays.size(), [&] {
+    UintOf<WideFloat> sum{};
+    for (const RayGroup& group : set.groups)
+      sum += geometry.intersect_lanes<kGeneral, WideFloat>(group.ray, group.leaves, group.active).primitive;
+    return lane_of(sum, 0);
+  });
+}
+
+template <bool kGeneral>
+double time_surface(const Geometry& geometry, const RaySet& set) {
+  return time_each(set.rays.size(), [&] {
+    float sum = 0;
+    for (const Ray& ray : set.rays) {
+      const Hit hit = geometry.intersect<kGeneral>(ray);
+      if (hit.found()) sum += geometry.surface_point<kGeneral>(ray, hit).offset_bound;
+    }
+    return sum > 0;
+  });
+}
+
+template <bool kGeneral>
+double time_occluded(const Geometry& geometry, const RaySet& set) {
+  return time_each(set.rays.size(), [&] {
+    std::uint32_t sum = 0;
+    for (const Ray& ray : set.rays) sum += geometry.occluded<kGeneral>(ray);
+    return sum;
+  });
+}
+
+template <bool kGeneral>
+double time_occluded_groups(const Geometry& geometry, const RaySet& set) {
+  return time_each(set.rays.size(), [&] {
+    const auto nothing = broadcast_bits<UintOf<WideFloat>>(kNoPrimitive);
+    MaskOf<WideFloat> blocked{};
+    for (const RayGroup& group : set.groups) {
+      const SegmentEnds<WideFloat> ends{group.leaves, nothing};
+      blocked ^= geometry.occluded_lanes<kGeneral, WideFloat>(group.ray, ends, group.active);
+    }
+    return static_cast<std::uint32_t>(lane_of(blocked, 0));
+  });
 }
 
 /// The period of the core's clock as this process sees it: nanoseconds of one dependent addition.
@@ -136,6 +124,7 @@ double clock_period() {
 
 struct Measurement {
   std::vector<double> primary, bounce, bounce_surface, shadow;
+  std::vector<double> primary_groups, bounce_groups, shadow_groups;
 };
 
 template <bool kGeneral>
@@ -144,6 +133,9 @@ void measure(const Geometry& geometry, const RaySets& rays, Measurement& m) {
   m.bounce.push_back(time_closest<kGeneral>(geometry, rays.bounce));
   m.bounce_surface.push_back(time_surface<kGeneral>(geometry, rays.bounce));
   m.shadow.push_back(time_occluded<kGeneral>(geometry, rays.shadow));
+  m.primary_groups.push_back(time_closest_groups<kGeneral>(geometry, rays.primary));
+  m.bounce_groups.push_back(time_closest_groups<kGeneral>(geometry, rays.bounce));
+  m.shadow_groups.push_back(time_occluded_groups<kGeneral>(geometry, rays.shadow));
 }
 
 #ifdef MLT_HAS_EMBREE
@@ -168,12 +160,12 @@ class EmbreeMeter {
     triangles.insert(triangles.end(), shapes.triangles.begin(), shapes.triangles.end());
     return triangles;
   }
-  double time(const std::vector<Ray>& rays, bool (EmbreeScene::*query)(const Ray&) const) const {
-    const auto start = cpu_seconds();
-    std::uint32_t sum = 0;
-    for (const Ray& ray : rays) sum += (scene_.*query)(ray) ? 1 : 0;
-    sink = sum;
-    return seconds_since(start) * 1e9 / static_cast<double>(rays.size());
+  double time(const RaySet& set, bool (EmbreeScene::*query)(const Ray&) const) const {
+    return time_each(set.rays.size(), [&] {
+      std::uint32_t sum = 0;
+      for (const Ray& ray : set.rays) sum += (scene_.*query)(ray) ? 1 : 0;
+      return sum;
+    });
   }
 
   EmbreeScene scene_;
@@ -203,17 +195,22 @@ class Workers {
 void print(const std::string& scene, const Measurement& m, const Measurement& embree) {
   const auto print_kind = [&scene](const char* kind, const std::vector<double>& own,
                                    const std::vector<double>& rival) {
-    print_row({fmt::format("{} ({} lanes)", kind, kLanes), scene, "ns", {}, own, "Embree", rival});
+    print_row(
+        {fmt::format("{} ({})", kind, instruction_set_name(kSet)), scene, "ns", {}, own, "Embree", rival});
   };
   print_kind("primary ray", m.primary, embree.primary);
   print_kind("bounce", m.bounce, embree.bounce);
   print_kind("bounce with surface point", m.bounce_surface, {});
   print_kind("shadow ray", m.shadow, embree.shadow);
+  print_kind("primary ray of a group", m.primary_groups, embree.primary);
+  print_kind("bounce of a group", m.bounce_groups, embree.bounce);
+  print_kind("shadow ray of a group", m.shadow_groups, embree.shadow);
 }
 
 /// Wall time, since several threads build; the arena's pages are there before, as in a render.
 void print_build(const std::string& scene, const Shapes& shapes, std::uint32_t threads) {
-  BenchRow time{fmt::format("build of the hierarchy by {} threads ({} lanes)", threads, kLanes), scene, "ms"};
+  BenchRow time{fmt::format("build of the hierarchy by {} threads ({})", threads, instruction_set_name(kSet)),
+                scene, "ms"};
   BenchRow memory{"memory of the hierarchy", scene, "bytes/triangle"};
   Workers workers(threads);
   const TriangleSoup soup(shapes.triangles);
@@ -278,7 +275,7 @@ void compare_structures(const char* kind, int count, const std::function<void(Sh
   for (int i = 0; i < count; ++i) add(shapes, rng);
   const BuiltGeometry flat(shapes, kAlwaysFlat), tree(shapes, kAlwaysTree);
   const RaySets rays = make_rays<true>(*flat, 128);
-  if (rays.bounce.empty()) return;
+  if (rays.bounce.rays.empty()) return;
   Measurement m[2];
   for (int round = 0; round < 15; ++round) {
     measure<true>(*flat, rays, m[0]);
@@ -311,6 +308,10 @@ void find_crossovers() {
 }  // namespace mlt::test
 
 int main(int argc, char** argv) {
+  if (!mlt::test::can_run()) {
+    std::fprintf(stderr, "the processor lacks %s\n", mlt::instruction_set_name(mlt::test::kSet));
+    return 0;
+  }
   if (argc > 1 && std::strcmp(argv[1], "crossover") == 0) {
     mlt::test::find_crossovers();
   } else {
