@@ -34,7 +34,7 @@ LINK     ?=
 OUT      := build/$(VARIANT)
 
 # The stages of the data flow; each may include only itself and earlier ones.
-STAGES   := base math scene geometry material light world integrator markov film render image compare converge app
+STAGES   := base math scene geometry material light world integrator markov film image render compare converge app
 
 CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror

@@ -58,7 +58,7 @@ LoadedImage read_image(const std::string& path);
 
 /// Reads a PFM of one (Pf) or three (PF) channels and either byte order; values are multiplied by the
 /// header's scale. Throws InputError for anything that is not exactly such a file: not a regular file, bad
-/// header, sides beyond kMaxFilmSide, other length than the header says.
+/// header, sides beyond kMaxFilmSidePixels, other length than the header says.
 LoadedImage read_pfm(const std::string& path);
 
 /// Most pixels of a PNG, which may be a thousandth of its picture's size.

@@ -304,16 +304,12 @@ MLT_INLINE void for_lanes(M mask, Visit&& visit) {
   while (bits != 0) visit(take_lowest(bits));
 }
 
-/// Loads and stores of as many floats or integers as there are lanes.
+/// As many floats or integers as there are lanes.
 template <class V, class T>
 MLT_INLINE V load_wide(const T* values) {
   V wide;
   std::memcpy(&wide, values, sizeof(V));
   return wide;
-}
-template <class V, class T>
-MLT_INLINE void store_wide(T* values, const V& wide) {
-  std::memcpy(values, &wide, sizeof(V));
 }
 
 }  // namespace mlt

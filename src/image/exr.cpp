@@ -18,7 +18,7 @@
 #include "base/atomic_file.hpp"
 #include "image/image_io.hpp"
 #include "image/input_file.hpp"
-#include "render/job.hpp"
+#include "scene/limits.hpp"
 
 namespace mlt {
 namespace {
@@ -75,9 +75,9 @@ Imf::Slice slice_of(Pixel* pixels, int channel, std::uint32_t width, int x, int 
 
 std::uint32_t side_of(const InputFile& file, const char* name, int least, int most) {
   const std::int64_t side = std::int64_t{most} - least + 1;
-  if (side < 1 || side > kMaxFilmSide) {
+  if (side < 1 || side > kMaxFilmSidePixels) {
     file.fail(std::string("the data window's ") + name + " is " + std::to_string(side) + "; expected 1 to " +
-              std::to_string(kMaxFilmSide));
+              std::to_string(kMaxFilmSidePixels));
   }
   return static_cast<std::uint32_t>(side);
 }

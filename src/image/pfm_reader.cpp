@@ -4,7 +4,7 @@
 
 #include "image/image_io.hpp"
 #include "image/input_file.hpp"
-#include "render/job.hpp"
+#include "scene/limits.hpp"
 
 namespace mlt {
 namespace {
@@ -45,9 +45,9 @@ std::string printable(std::string_view token) {
 std::uint32_t parse_side(const InputFile& file, const char* name, std::string_view token) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-  if (error != std::errc{} || end != token.data() + token.size() || value < 1 || value > kMaxFilmSide) {
+  if (error != std::errc{} || end != token.data() + token.size() || value < 1 || value > kMaxFilmSidePixels) {
     file.fail(std::string("the ") + name + " is '" + printable(token) + "'; expected an integer from 1 to " +
-              std::to_string(kMaxFilmSide));
+              std::to_string(kMaxFilmSidePixels));
   }
   return value;
 }

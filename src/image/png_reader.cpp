@@ -7,7 +7,7 @@
 #include "image/image_io.hpp"
 #include "image/input_file.hpp"
 #include "math/srgb.hpp"
-#include "render/job.hpp"
+#include "scene/limits.hpp"
 
 namespace mlt {
 namespace {
@@ -72,7 +72,7 @@ void expand(png_structp png, png_infop info, PngInput& input) {
 bool decode(png_structp png, png_infop info, PngInput& input) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &input, read_bytes);
-  png_set_user_limits(png, kMaxFilmSide, kMaxFilmSide);
+  png_set_user_limits(png, kMaxFilmSidePixels, kMaxFilmSidePixels);
   // Skips all chunks that the pixels do not need: libpng would allocate what their headers claim.
   png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "film/pixel_film.hpp"
 #include "render_fixture.hpp"
 
 namespace mlt::test {
@@ -179,6 +180,20 @@ TEST_CASE("Russian roulette on or off gives the same picture, by every integrato
       CHECK(tiles.smallest_p_value > sidak_threshold(1e-3, 4 * tiles.tiles));
     }
   }
+}
+
+TEST_CASE("the mean luminance weighs pixels alike, though some take twice the samples") {
+  // One of two pixels is bright in every sample: the mean is 1/2 exactly, and a third off were the first
+  // pixel, which takes two sequences of samples, counted twice.
+  REQUIRE(sequences_in(0, 0) == 2);
+  REQUIRE(sequences_in(1, 0) == 1);
+  RenderRequest request = small_request(IntegratorKind::path, 2, 16, 1);
+  request.height = 1;
+  const RenderResult result = render(
+      "camera eye 0 0 1 target 0 0 0 fov 60\nmaterial black diffuse reflectance 0\n"
+      "quad -9 -9 0  0 -9 0  0 9 0  -9 9 0 material black emit 1\n",
+      request);
+  CHECK(result.statistics.b == 0.5);
 }
 
 }  // namespace mlt::test
