@@ -245,6 +245,7 @@ MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintO
   if constexpr (!kGeneral && VectorType<F>) {
     if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
   }
+  if (!any(alone)) return hits;
   const LaneRays<F> rays(ray, alone);
   for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(rays[lane])); });
   return hits;
@@ -260,6 +261,7 @@ MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const Segme
       blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
     }
   }
+  if (!any(alone)) return blocked;
   const LaneRays<F> rays(ray, alone);
   for_lanes(alone, [&](int lane) {
     if (occluded<kGeneral>(rays[lane], lane_of(ends.target, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);

@@ -55,24 +55,6 @@ class PathIntegrator {
     return 2 + (depth - 1) * (kLightSamples + kBsdfSamples + (kRoulette ? 1 : 0));
   }
 
-  /// Evaluates one path in each lane of `active`; calls sink(SplatOf<F>, active) once. Values may be zero.
-  /// A sink with expect(pixels, active) is told before tracing where they will be splatted.
-  template <class Sampler, class Sink>
-  void evaluate(Sampler& sampler, Sink&& sink, M active = not_in(M{})) const {
-    const UintOf<F> sample_x = sampler.next_fixed(active);
-    const UintOf<F> sample_y = sampler.next_fixed(active);
-    const FilmPositionOf<F> film = world_.camera.film_position<F>(sample_x, sample_y);
-    const RayOf<F> ray{broadcast_to<F>(world_.camera.eye), world_.camera.direction<F>(film),
-                       broadcast_to<F>(kInfinity)};
-    const UintOf<F> pixel = film.y * world_.camera.width + film.x;
-    if constexpr (requires { sink.expect(pixel, active); }) sink.expect(pixel, active);
-    sink(SplatOf<F>{pixel, trace(sampler, ray, active)}, active);
-  }
-
- private:
-  static constexpr float kInfinity = __builtin_inff();
-  static constexpr float kMinSurvival = 0.05f;
-
   /// What the next hit of a light must know of the vertex before it.
   struct Arrival {
     V from{F{}, F{}, F{}};
@@ -80,59 +62,125 @@ class PathIntegrator {
     M is_delta = not_in(M{});  ///< light sampling could not have produced this edge
   };
 
-  template <class Sampler>
-  MLT_NOINLINE V trace(Sampler& sampler, const RayOf<F>& camera_ray, const M& all) const {
-    RayOf<F> ray = camera_ray;
-    M active = all;
-    const F one = broadcast_to<F>(1.0f);
-    V radiance{F{}, F{}, F{}};
-    V throughput{one, one, one};
-    Arrival arrival;
-    F eta_scale = one;
+  /// Paths on their way, of as many edges all.
+  struct Paths {
+    UintOf<F> pixel;
+    RayOf<F> ray;               ///< the next edge
+    M active;                   ///< those that go on
+    V radiance{F{}, F{}, F{}};  ///< gathered so far
+    V throughput = V{broadcast_to<F>(1), broadcast_to<F>(1), broadcast_to<F>(1)};
+    Arrival arrival{};
+    F eta_scale = broadcast_to<F>(1);
     UintOf<F> leaves = broadcast_bits<UintOf<F>>(kNoPrimitive);
-    for (std::uint32_t edge = 1;; ++edge) {
-      const HitOf<F> hit = world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, leaves, active);
-      active &= hit.found();
-      if (!any(active)) return radiance;
-      const SurfacePointOf<F> point =
-          world_.geometry.template surface_points<kGeneralGeometry, F>(ray, hit, active);
-      const UintOf<F> primitive = select(active, hit.primitive, UintOf<F>{}) * kPrimitiveBytes;
-      const UintOf<F> light = gather_bytes<F>(&world_.primitives[0].light, primitive);
-      if (const M lit = active & (light != kNoLight); any(lit)) {
-        const V gathered =
-            throughput * emitted(select(lit, light, UintOf<F>{}), point, ray.direction, arrival, lit);
-        radiance = select(lit, radiance + gathered, radiance);
-      }
-      if (edge == settings_.depth) return radiance;
 
-      const MaterialRefOf<F> material(world_.materials.data(),
-                                      gather_bytes<F>(&world_.primitives[0].material, primitive));
-      const FrameOf<F> frame(point.normal);
-      const V wo = frame.to_local(-ray.direction);
-      if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
-        const Vertex vertex{point, frame, wo, hit.primitive};
-        const V gathered = throughput * direct_light(sampler, material, vertex, rough);
-        radiance = select(rough, radiance + gathered, radiance);
-      } else {
-        sampler.skip(kLightSamples, active);
-      }
-
-      const F u_lobe = kLobeChoice ? sampler.next(active) : F{};
-      const BsdfSampleOf<F> bsdf =
-          sample_bsdf<kDiffuseOnly, F>(material, wo, u_lobe, sampler.next_2d(active), active);
-      throughput *= bsdf.weight;
-      active &= not_in(is_zero<F>(throughput));
-      if (!any(active)) return radiance;
-      if constexpr (kRoulette) {
-        eta_scale *= bsdf.eta_scale;
-        active &= survives(sampler, edge, eta_scale, throughput, active);
-        if (!any(active)) return radiance;
-      }
-      arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
-      leaves = hit.primitive;
-      const V direction = frame.to_world(bsdf.wi);
-      ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
+    /// Gives a lane's path to an idle lane of paths that have come as far.
+    void move_lane(int lane, Paths& to, int to_lane) {
+      const auto move = [&](const auto& value, auto& place) {
+        set_lane_of(place, to_lane, lane_of(value, lane));
+      };
+      move(pixel, to.pixel);
+      move(ray.origin, to.ray.origin);
+      move(ray.direction, to.ray.direction);
+      move(radiance, to.radiance);
+      move(throughput, to.throughput);
+      move(arrival.from, to.arrival.from);
+      move(arrival.pdf_solid_angle, to.arrival.pdf_solid_angle);
+      move(arrival.is_delta, to.arrival.is_delta);
+      move(eta_scale, to.eta_scale);
+      move(leaves, to.leaves);
+      set_lane_of(to.active, to_lane, kLaneTrue<F>);
+      set_lane_of(active, lane, 0);
     }
+  };
+
+  /// Evaluates one path in each lane of `active`; calls sink(SplatOf<F>, active) once. Values may be zero.
+  /// A sink with expect(pixels, active) is told before tracing where they will be splatted.
+  template <class Sampler, class Sink>
+  void evaluate(Sampler& sampler, Sink&& sink, M active = not_in(M{})) const {
+    Paths paths = begin(sampler, active);
+    if constexpr (requires { sink.expect(paths.pixel, active); }) sink.expect(paths.pixel, active);
+    sink(SplatOf<F>{paths.pixel, trace(sampler, paths)}, active);
+  }
+
+  /// Paths without an edge.
+  template <class Sampler>
+  MLT_INLINE Paths begin(Sampler& sampler, M active) const {
+    const UintOf<F> sample_x = sampler.next_fixed(active);
+    const UintOf<F> sample_y = sampler.next_fixed(active);
+    const FilmPositionOf<F> film = world_.camera.film_position<F>(sample_x, sample_y);
+    return {
+        film.y * world_.camera.width + film.x,
+        {broadcast_to<F>(world_.camera.eye), world_.camera.direction<F>(film), broadcast_to<F>(kInfinity)},
+        active};
+  }
+
+  /// Adds edge number `edge`, counted from 1.
+  template <class Sampler>
+  MLT_INLINE void advance(Sampler& sampler, std::uint32_t edge, Paths& paths) const {
+    M& active = paths.active;
+    const RayOf<F> ray = paths.ray;
+    const HitOf<F> hit =
+        world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, paths.leaves, active);
+    active &= hit.found();
+    if (!any(active)) return;
+    const SurfacePointOf<F> point =
+        world_.geometry.template surface_points<kGeneralGeometry, F>(ray, hit, active);
+    const UintOf<F> primitive = select(active, hit.primitive, UintOf<F>{}) * kPrimitiveBytes;
+    const UintOf<F> light = gather_bytes<F>(&world_.primitives[0].light, primitive);
+    if (const M lit = active & (light != kNoLight); any(lit)) {
+      const V gathered = paths.throughput *
+                         emitted(select(lit, light, UintOf<F>{}), point, ray.direction, paths.arrival, lit);
+      paths.radiance = select(lit, paths.radiance + gathered, paths.radiance);
+    }
+    if (edge == settings_.depth) {
+      active = M{};
+      return;
+    }
+    scatter(sampler, edge, point, hit.primitive, primitive, paths);
+  }
+
+ private:
+  static constexpr float kInfinity = __builtin_inff();
+  static constexpr float kMinSurvival = 0.05f;
+
+  template <class Sampler>
+  MLT_NOINLINE V trace(Sampler& sampler, Paths& paths) const {
+    for (std::uint32_t edge = 1; any(paths.active); ++edge) advance(sampler, edge, paths);
+    return paths.radiance;
+  }
+
+  /// Light sampling at the points hit, and the direction of the next edge.
+  template <class Sampler>
+  MLT_INLINE void scatter(Sampler& sampler, std::uint32_t edge, const SurfacePointOf<F>& point,
+                          const UintOf<F>& hit, UintOf<F> primitive_offset, Paths& paths) const {
+    M& active = paths.active;
+    const MaterialRefOf<F> material(world_.materials.data(),
+                                    gather_bytes<F>(&world_.primitives[0].material, primitive_offset));
+    const FrameOf<F> frame(point.normal);
+    const V wo = frame.to_local(-paths.ray.direction);
+    if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
+      const V gathered =
+          paths.throughput * direct_light(sampler, material, Vertex{point, frame, wo, hit}, rough);
+      paths.radiance = select(rough, paths.radiance + gathered, paths.radiance);
+    } else {
+      sampler.skip(kLightSamples, active);
+    }
+
+    const F u_lobe = kLobeChoice ? sampler.next(active) : F{};
+    const BsdfSampleOf<F> bsdf =
+        sample_bsdf<kDiffuseOnly, F>(material, wo, u_lobe, sampler.next_2d(active), active);
+    paths.throughput *= bsdf.weight;
+    active &= not_in(is_zero<F>(paths.throughput));
+    if (!any(active)) return;
+    if constexpr (kRoulette) {
+      paths.eta_scale *= bsdf.eta_scale;
+      active &= survives(sampler, edge, paths.eta_scale, paths.throughput, active);
+      if (!any(active)) return;
+    }
+    paths.arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
+    paths.leaves = hit;
+    const V direction = frame.to_world(bsdf.wi);
+    paths.ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
   }
 
   /// Radiance emitted against the ray in the lanes of `lit`, weighted against light sampling from the vertex

@@ -1,13 +1,13 @@
 // The path tracer's samples: within each pixel, every pair of dimensions is an Owen-scrambled Sobol' (0,2)
 // sequence, and pairs are decorrelated from each other and from other pixels by nested uniform shuffles
-// [Burley20]. A pure function of (seed, pixel, sample index, dimension). Samples are consumed in the order of
-// their indices, so a dimension is computed for eight of them at once, in SIMD lanes, when the first asks for
-// it.
+// [Burley20]. A pure function of (seed, pixel, sample index, dimension). Samples are consumed in blocks, so a
+// dimension is computed for a block at once, in SIMD lanes, when the first asks for it.
 #pragma once
 
 #include <cstdint>
 
 #include "integrator/sampler.hpp"
+#include "math/gather.hpp"
 #include "math/rng.hpp"
 #include "math/simd.hpp"
 #include "math/vec.hpp"
@@ -58,16 +58,34 @@ MLT_INLINE constexpr Bits reversed_sobol_second(Bits index) {
   return index ^ (index & 0xaaaaaaaaU) >> 1;
 }
 
-/// Lanes have samples of one pixel with ascending indices, whose numbers are then made together and kept, or,
-/// where pixels have fewer samples than there are lanes, each a sample of any pixel.
+/// Lanes have samples of one block of a pixel's, whose numbers are made together and kept, or, where pixels
+/// have fewer samples than there are lanes, each a sample of any pixel.
 template <class F>
 class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   using U = UintOf<F>;
 
  public:
+  /// Samples of a pixel whose numbers are made together.
+  static constexpr std::uint32_t kBlock = VectorType<F> ? 64 : 8;
+
+  /// Which samples of a block the lanes have, and how far these have come.
+  struct Position {
+    U slots{};
+    std::uint32_t first = 0;     ///< slot of lane 0
+    bool is_consecutive = true;  ///< whether other lanes' slots follow it
+    Progress<F> progress;
+
+    /// Gives a lane's sample to a lane of other samples that have come as far.
+    void move_lane(int lane, Position& to, int to_lane) const {
+      set_lane_of(to.slots, to_lane, lane_of(slots, lane));
+      to.is_consecutive = false;
+      progress.move_lane(lane, to.progress, to_lane);
+    }
+  };
+
   /// For `sample_count` samples (>= 1) of a sequence in each pixel of a film of width x height pixels.
   PixelSamplerOf(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
-      : seed_(seed), width_(width), height_(height) {
+      : seed_(seed), width_(width), height_(height), sample_count_(sample_count) {
     // Index bits above the sample count would only add a constant digital shift, which the scramble adds
     // anyway.
     while (index_mask_ < sample_count - 1 && index_mask_ != 0xffffffffU)
@@ -80,10 +98,17 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     const bool is_new = sequence_stamp_ == 0 || x != x_ || y != y_ || sequence != sequence_;
     if (is_new) start_sequence(x, y, sequence);
     if (is_new || sample / kBlock != block_) start_block(sample / kBlock);
-    lane_ = sample % kBlock;
+    position_.first = sample % kBlock;
+    position_.is_consecutive = true;
+    for (int lane = 0; lane < kLaneCount<F>; ++lane)
+      set_lane_of(position_.slots, lane, position_.first + static_cast<std::uint32_t>(lane));
     is_scattered_ = false;
-    progress_.restart();
+    position_.progress.restart();
   }
+
+  /// Leaves samples for others of the same block; resume() goes on where they were left.
+  const Position& position() const { return position_; }
+  void resume(const Position& position) { position_ = position; }
 
   /// Instead: for each lane, then start_scattered().
   void place(int lane, std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence) {
@@ -92,37 +117,36 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   }
   void start_scattered() {
     is_scattered_ = true;
-    progress_.restart();
+    position_.progress.restart();
   }
 
   U next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) {
-    const std::uint32_t dimension = progress_.advance(1, active);
+    const std::uint32_t dimension = position_.progress.advance(1, active);
     if (is_scattered_) return scattered_samples(dimension);
     if (dimension == 0) return film_coordinates(x_, width_, last_x_, film_.first);
     if (dimension == 1) return film_coordinates(y_, height_, last_y_, film_.second);
-    return load_wide<U>(samples_of(dimension, Kind::single).first + lane_);
+    return at_slots(samples_of(dimension, Kind::single).first);
   }
 
   Vec2Of<F> next_2d(MaskOf<F> active = not_in(MaskOf<F>{})) {
-    const std::uint32_t dimension = progress_.advance(2, active);
+    const std::uint32_t dimension = position_.progress.advance(2, active);
     if (is_scattered_) {
       U first, second;
       scatter(first, second, Kind::pair, dimension + 1);
       return Vec2Of<F>{unit_float(first), unit_float(second)};
     }
     const Samples& samples = samples_of(dimension, Kind::pair);
-    return Vec2Of<F>{unit_float(load_wide<U>(samples.first + lane_)),
-                     unit_float(load_wide<U>(samples.second + lane_))};
+    return Vec2Of<F>{unit_float(at_slots(samples.first)), unit_float(at_slots(samples.second))};
   }
 
-  void skip(std::uint32_t count, MaskOf<F> active = not_in(MaskOf<F>{})) { progress_.advance(count, active); }
+  void skip(std::uint32_t count, MaskOf<F> active = not_in(MaskOf<F>{})) {
+    position_.progress.advance(count, active);
+  }
 
   /// How far the paths have come since start().
-  U dimension() const { return progress_.reached(); }
+  U dimension() const { return position_.progress.reached(); }
 
  private:
-  /// Samples computed together.
-  static constexpr std::uint32_t kBlock = kLaneCount<F> > 8 ? kLaneCount<F> : 8;
   /// Dimensions beyond it, which few paths reach, share one place.
   static constexpr std::uint32_t kRemembered = 128;
   static_assert(kBlock % kLanes == 0 && kBlock % kLaneCount<F> == 0);
@@ -151,6 +175,11 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint64_t key_of(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) const {
     const std::uint64_t key = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
     return sequence == 0 ? key : mix64(key + 0xd1b54a32d192ed03ULL * sequence);
+  }
+
+  MLT_INLINE U at_slots(const std::uint32_t* samples) const {
+    if (position_.is_consecutive) return load_wide<U>(samples + position_.first);
+    return gather_bytes<F>(samples, position_.slots * 4U);
   }
 
   /// compute() for lanes of several pixels; number 0 stands for the film's dimensions.
@@ -188,8 +217,13 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   void start_block(std::uint32_t block) {
     block_ = block;
     block_stamp_ += 1;
-    for (std::uint32_t lane = 0; lane < kBlock; ++lane)
-      reversed_samples_[lane] = reverse_bits(block * kBlock + lane);
+    const std::uint64_t first = std::uint64_t{block} * kBlock;
+    const std::uint64_t left = first < sample_count_ ? sample_count_ - first : kBlock;
+    // All lanes that start together have numbers.
+    constexpr std::uint32_t kStep = kLaneCount < F >> kLanes ? kLaneCount<F> : kLanes;
+    used_ = left < kBlock ? (static_cast<std::uint32_t>(left) + kStep - 1) / kStep * kStep : kBlock;
+    for (std::uint32_t slot = 0; slot < used_; ++slot)
+      reversed_samples_[slot] = reverse_bits(block * kBlock + slot);
     film_.key = mix64(sequence_key_);
     compute(film_, Kind::pair);
   }
@@ -215,7 +249,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   void compute(Samples& samples, Kind kind) const {
     samples.tag = tag_of(kind);
     const std::uint64_t scrambles = kind == Kind::pair ? mix64(samples.key) : samples.key >> 32;
-    for (std::uint32_t i = 0; i < kBlock; i += kLanes) {
+    for (std::uint32_t i = 0; i < used_; i += kLanes) {
       const LaneUint shuffled =
           laine_karras(load_lanes(reversed_samples_ + i), static_cast<std::uint32_t>(samples.key));
       const LaneUint index = reverse_bits(shuffled) & index_mask_;
@@ -234,7 +268,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     U coordinates{};
     for (int lane = 0; lane < kLaneCount<F>; ++lane) {
       set_lane_of(coordinates, lane,
-                  film_coordinate(pixel, side, last, jitters[lane_ + static_cast<std::uint32_t>(lane)]));
+                  film_coordinate(pixel, side, last, jitters[lane_of(position_.slots, lane)]));
     }
     return coordinates;
   }
@@ -262,10 +296,11 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   std::uint64_t seed_;
   std::uint32_t width_, height_;
+  std::uint64_t sample_count_;
   std::uint32_t index_mask_ = 0;
   std::uint32_t x_ = 0, y_ = 0, last_x_ = 0, last_y_ = 0;
-  std::uint32_t block_ = 0, lane_ = 0;
-  Progress<F> progress_;
+  std::uint32_t block_ = 0, used_ = 0;  ///< of whose numbers so many are made
+  Position position_;
   std::uint64_t sequence_ = 0, sequence_key_ = 0;
   std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
   alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};

@@ -47,6 +47,11 @@ class Progress {
     reached_ = select(active, broadcast_bits<UintOf<F>>(cursor_), reached_);
     return first;
   }
+  /// Makes a lane of `to`, whose active lanes have come as far, one more of these.
+  void move_lane(int lane, Progress& to, int to_lane) const {
+    to.cursor_ = cursor_;
+    set_lane_of(to.reached_, to_lane, lane_of(reached_, lane));
+  }
   std::uint32_t cursor() const { return cursor_; }
   UintOf<F> reached() const { return reached_; }
 

@@ -1,6 +1,7 @@
 // The kernels' bodies, instantiated by kernel_*.cpp; each of these compiles a share of the feature masks.
 #pragma once
 
+#include "integrator/path_batch.hpp"
 #include "integrator/pixel_sampler.hpp"
 #include "render/kernel.hpp"
 
@@ -93,31 +94,17 @@ struct PixelSample {
   std::uint64_t index = 0;  ///< in its sequence
 };
 
-/// One sample in each lane of `active`, summed in their order.
-template <FeatureMask kFeatures>
-void render_samples(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
-                    PixelSamplerOf<WideFloat>& sampler, const PixelSample* samples,
-                    const MaskOf<WideFloat>& active, TileStatistics& statistics) {
-  integrator.evaluate(
-      sampler,
-      [&](const SplatOf<WideFloat>& splats, MaskOf<WideFloat> lanes) {
-        for_lanes(lanes, [&](int lane) {
-          const PixelSample& sample = samples[lane];
-          MLT_CHECK_OP(lane_of(splats.pixel, lane), ==, sample.pixel);
-          const Vec3 value = lane_of(splats.value, lane);
-          const bool rejected = statistics.defects.reject(value);
-          const int half = half_of_sequence(sample.index, storage.job.samples_per_pixel);
-          if (!rejected) storage.pixels[sample.pixel].add(value, half, sample.sequence == 0 ? 1 : -1);
-          // The mean over the image weighs pixels alike, so the second sequence stays out of it.
-          if (sample.sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(value));
-        });
-      },
-      active);
-  const UintOf<WideFloat> dimensions = sampler.dimension();
-  for_lanes(active, [&](int lane) {
-    statistics.primary_samples += lane_of(dimensions, lane);
-    statistics.samples += 1;
-  });
+/// One sample's path, which used so many primary samples.
+inline void add_sample(const RenderStorage& storage, const PixelSample& sample, const Splat& splat,
+                       std::uint32_t dimension, TileStatistics& statistics) {
+  MLT_CHECK_OP(splat.pixel, ==, sample.pixel);
+  const bool rejected = statistics.defects.reject(splat.value);
+  const int half = half_of_sequence(sample.index, storage.job.samples_per_pixel);
+  if (!rejected) storage.pixels[sample.pixel].add(splat.value, half, sample.sequence == 0 ? 1 : -1);
+  // The mean over the image weighs pixels alike, so the second sequence stays out of it.
+  if (sample.sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
+  statistics.primary_samples += dimension;
+  statistics.samples += 1;
 }
 
 struct TileBounds {
@@ -137,21 +124,23 @@ struct TileBounds {
   }
 };
 
-/// All samples of one pixel, as many as there are lanes at a time.
+/// All samples of one pixel.
 template <FeatureMask kFeatures>
-void render_pixel(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
+void render_pixel(PathBatch<WideIntegrator<kFeatures>>& batch, const RenderStorage& storage,
                   PixelSamplerOf<WideFloat>& sampler, std::uint32_t x, std::uint32_t y,
                   TileStatistics& statistics) {
+  constexpr std::uint32_t kMost = PathBatch<WideIntegrator<kFeatures>>::kCapacity;
   const std::uint64_t count = storage.job.samples_per_pixel;
-  PixelSample samples[kWideLanes];
   for (std::uint32_t sequence = 0; sequence < sequences_in(x, y); ++sequence) {
-    for (std::uint64_t first = 0; first < count; first += kWideLanes) {
+    for (std::uint64_t first = 0; first < count; first += kMost) {
       replay_context().step = sequence * count + first;
-      sampler.start(x, y, static_cast<std::uint32_t>(first), 2 * storage.round + sequence);
-      for (std::uint32_t i = 0; i < kWideLanes; ++i)
-        samples[i] = {y * storage.job.width + x, sequence, first + i};
-      render_samples(integrator, storage, sampler, samples, first_lanes<WideFloat>(count - first),
-                     statistics);
+      const std::uint64_t left = count - first;
+      batch.evaluate(sampler, x, y, static_cast<std::uint32_t>(first),
+                     left < kMost ? static_cast<std::uint32_t>(left) : kMost, 2 * storage.round + sequence,
+                     [&](std::uint32_t i, const Splat& splat, std::uint32_t dimension) {
+                       add_sample(storage, {y * storage.job.width + x, sequence, first + i}, splat, dimension,
+                                  statistics);
+                     });
     }
   }
 }
@@ -166,7 +155,16 @@ std::uint32_t render_few_samples(const WideIntegrator<kFeatures>& integrator, co
   std::uint32_t used = 0;
   const auto flush = [&] {
     sampler.start_scattered();
-    render_samples(integrator, storage, sampler, samples, first_lanes<WideFloat>(used), statistics);
+    integrator.evaluate(
+        sampler,
+        [&](const SplatOf<WideFloat>& splats, MaskOf<WideFloat> lanes) {
+          const UintOf<WideFloat> dimensions = sampler.dimension();
+          for_lanes(lanes, [&](int lane) {
+            add_sample(storage, samples[lane], {lane_of(splats.pixel, lane), lane_of(splats.value, lane)},
+                       lane_of(dimensions, lane), statistics);
+          });
+        },
+        first_lanes<WideFloat>(used));
     used = 0;
   };
   const std::uint32_t rendered = tile.for_pixels([&](std::uint32_t x, std::uint32_t y) {
@@ -202,9 +200,10 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   if (job.samples_per_pixel < kWideLanes) {
     rendered = render_few_samples(integrator, storage, sampler, bounds, statistics);
   } else {
+    PathBatch<WideIntegrator<kFeatures>> batch(integrator);
     rendered = bounds.for_pixels([&](std::uint32_t x, std::uint32_t y) {
       if (storage.stop->load(std::memory_order_relaxed)) return false;
-      render_pixel(integrator, storage, sampler, x, y, statistics);
+      render_pixel<kFeatures>(batch, storage, sampler, x, y, statistics);
       return true;
     });
   }

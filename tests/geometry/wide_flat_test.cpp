@@ -14,7 +14,10 @@ namespace {
 
 using F = WideFloat;
 
-/// Tilted parallelograms that cross each other, a third of them twice in the same place.
+constexpr std::uint32_t kQuads = 30;
+
+/// Tilted parallelograms that cross each other, a third of them twice in the same place, and a cube, whose
+/// faces rays to its edges and corners meet at the same distance, in an order that is not that of their axes.
 Shapes crossing_quads(std::uint64_t seed) {
   Rng rng(seed, StreamPurpose::kTest, 0);
   Shapes shapes;
@@ -24,6 +27,16 @@ Shapes crossing_quads(std::uint64_t seed) {
     const Vec3 v = point_in_cube(rng);
     shapes.quads.push_back(i % 3 == 2 ? shapes.quads.back() : Quad{a, a + u, a + u + v, a + v});
   }
+  const auto face = [&](const Vec3& a, const Vec3& u, const Vec3& v) {
+    shapes.quads.push_back(Quad{a, a + u, a + u + v, a + v});
+  };
+  const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, low{-0.5f, -0.5f, -0.5f};
+  face(low, x, y);
+  face(low + z, x, y);
+  face(low, z, x);
+  face(low + y, z, x);
+  face(low, y, z);
+  face(low + x, y, z);
   return shapes;
 }
 
@@ -83,7 +96,7 @@ TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
         set_lane_of(rays.direction, lane, alone[lane].ray.direction);
         set_lane_of(rays.t_max, lane, alone[lane].ray.t_max);
         set_lane_of(ends.leaves, lane, alone[lane].leaves);
-        set_lane_of(ends.target, lane, rng.next_fixed() % 24U);
+        set_lane_of(ends.target, lane, rng.next_fixed() % kQuads);
         if (rng.next_float() < 0.9f) set_lane_of(active, lane, kLaneTrue<F>);
       }
       const HitOf<F> found = geometry.intersect_lanes<false, F>(rays, ends.leaves, active);

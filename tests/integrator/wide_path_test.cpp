@@ -1,8 +1,10 @@
 // Paths in lanes against the same paths one by one: the same bits, whatever the lanes beside them do.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
 
 #include "integrator/path.hpp"
+#include "integrator/path_batch.hpp"
 #include "integrator/pixel_sampler.hpp"
 #include "integrator/sampler.hpp"
 #include "support/compiled_scene.hpp"
@@ -128,6 +130,51 @@ TEST_CASE("a sample in a lane is the sample that it would be alone") {
         REQUIRE(one.next() == lane_of(single, at));
       }
     }
+  }
+}
+
+/// All samples of some pixels, in batches whose paths end at different edges.
+template <FeatureMask kFeatures>
+void check_batches(const World& world, const PathSettings& settings, std::uint64_t count) {
+  using F = WideFloat;
+  using Integrator = PathIntegrator<kFeatures, F>;
+  const PathIntegrator<kFeatures> reference(world, settings);
+  const Integrator integrator(world, settings);
+  PathBatch<Integrator> batch(integrator);
+  PixelSampler one(7, kSide, kSide, count);
+  PixelSamplerOf<F> many(7, kSide, kSide, count);
+  std::uint32_t shortest = ~0U, longest = 0;
+  for (std::uint32_t x = 0; x < kSide; ++x) {
+    for (std::uint32_t first = 0; first < count; first += batch.kCapacity) {
+      std::uint32_t visited = 0;
+      const auto in_batch = static_cast<std::uint32_t>(
+          std::min<std::uint64_t>(count - first, PathBatch<Integrator>::kCapacity));
+      batch.evaluate(many, x, 9, first, in_batch, 3,
+                     [&](std::uint32_t i, const Splat& splat, std::uint32_t dimension) {
+                       REQUIRE(i == visited++);
+                       one.start(x, 9, first + i, 3);
+                       reference.evaluate(one, [&](const Splat& expected, bool) {
+                         REQUIRE(splat.pixel == expected.pixel);
+                         REQUIRE(same_bits(splat.value, expected.value));
+                       });
+                       REQUIRE(dimension == one.dimension());
+                       shortest = std::min(shortest, dimension);
+                       longest = std::max(longest, dimension);
+                     });
+      REQUIRE(visited == in_batch);
+    }
+  }
+  CHECK(shortest + 8 < longest);
+}
+
+TEST_CASE("a path of a batch is the path that it would be alone") {
+  const CompiledScene room(kRoom, kSide, kSide);
+  const CompiledScene plain(kPlainRoom, kSide, kSide);
+  constexpr FeatureMask kAll = kFeatureMaskCount - 1;
+  for (const std::uint64_t count : {1U, 5U, 40U, 64U, 150U}) {
+    INFO(count << " samples a pixel");
+    check_batches<kAll>(room.world(), {12, 2}, count);
+    check_batches<feature(FeatureBit::roulette)>(plain.world(), {40, 2}, count);
   }
 }
 
