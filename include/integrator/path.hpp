@@ -72,7 +72,7 @@ class PathIntegrator {
 
   /// What the next hit of a light must know of the vertex before it.
   struct Arrival {
-    V from{F{}, F{}, F{}};
+    ReceiverOf<F> from{V{F{}, F{}, F{}}};
     F pdf_solid_angle{};
     M is_delta = not_in(M{});  ///< light sampling could not have produced this edge
   };
@@ -106,8 +106,10 @@ class PathIntegrator {
                                       gather_bytes<F>(&world_.primitives[0].material, primitive));
       const FrameOf<F> frame(point.normal);
       const V wo = frame.to_local(-ray.direction);
+      // Materials that light is sampled for gather it on the side that is looked at.
+      const ReceiverOf<F> receiver{point.position, select(wo.z < 0.0f, -point.normal, point.normal)};
       if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
-        const Vertex vertex{point, frame, wo, hit.primitive};
+        const Vertex vertex{point, frame, wo, hit.primitive, receiver};
         const V gathered = throughput * direct_light(sampler, material, vertex, rough);
         radiance = select(rough, radiance + gathered, radiance);
       } else {
@@ -125,7 +127,7 @@ class PathIntegrator {
         active &= survives(sampler, edge, eta_scale, throughput, active);
         if (!any(active)) return radiance;
       }
-      arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
+      arrival = Arrival{receiver, bsdf.pdf_solid_angle, bsdf.is_delta};
       leaves = hit.primitive;
       const V direction = frame.to_world(bsdf.wi);
       ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
@@ -153,6 +155,7 @@ class PathIntegrator {
     const FrameOf<F>& frame;
     const V& wo;
     const UintOf<F>& primitive;
+    const ReceiverOf<F>& receiver;
   };
 
   /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
@@ -161,8 +164,8 @@ class PathIntegrator {
                             M active) const {
     const V black{F{}, F{}, F{}};
     const F u_choice = kManyLights ? sampler.next(active) : F{};
-    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.point.position,
-                                                                u_choice, sampler.next_2d(active), active);
+    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.receiver, u_choice,
+                                                                sampler.next_2d(active), active);
     M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
     if (!any(seen)) return black;
     const BsdfValueOf<F> bsdf =

@@ -85,6 +85,19 @@ class LightRefOf {
   bool uniform_ = false;
 };
 
+/// Who looks at a light. The normal of its surface, on the side that gathers light, lets samples of quads
+/// prefer what is high above its horizon; with none, (0, 0, 0), they are uniform by area. A surface that
+/// gathers light on both sides must give none.
+template <class F>
+struct ReceiverOf {
+  Vec3Of<F> position;
+  Vec3Of<F> normal{F{}, F{}, F{}};
+
+  ReceiverOf(const Vec3Of<F>& at) : position(at) {}
+  ReceiverOf(const Vec3Of<F>& at, const Vec3Of<F>& surface_normal) : position(at), normal(surface_normal) {}
+};
+using Receiver = ReceiverOf<float>;
+
 /// A point on a light as seen from a reference point.
 template <class F>
 struct LightSampleOf {

@@ -51,7 +51,8 @@ inline std::uint32_t choose_light(std::span<const float> cdf, float u) {
 /// point on it by u, all in [0,1). A density of 0 means: no sample. Nothing is known of lanes outside
 /// `active`.
 template <bool kManyLights, class F = float>
-MLT_NOINLINE LightSampleOf<F> sample_light(const LightTable& table, const Vec3Of<F>& reference,
+MLT_NOINLINE LightSampleOf<F> sample_light(const LightTable& table,
+                                           const std::type_identity_t<ReceiverOf<F>>& receiver,
                                            const std::type_identity_t<F>& u_choice, const Vec2Of<F>& u,
                                            const MaskOf<F>& active = not_in(MaskOf<F>{})) {
   if (table.lights.empty()) return {};
@@ -64,27 +65,28 @@ MLT_NOINLINE LightSampleOf<F> sample_light(const LightTable& table, const Vec3Of
     const MaskOf<F> is_chosen = index < count;
     index = select(is_chosen, index, UintOf<F>{});
     const LightRefOf<F> light(table.lights.data(), index);
-    LightSampleOf<F> sample = sample_one_light<F>(light, reference, u, active);
+    LightSampleOf<F> sample = sample_one_light<F>(light, receiver, u, active);
     sample.pdf_solid_angle *= light.load().choice_probability;
     sample.light = index;
     return select(is_chosen, sample, LightSampleOf<F>{});
   } else {
     const LightRefOf<F> light(table.lights[0]);
-    LightSampleOf<F> sample = sample_one_light<F>(light, reference, u, active);
+    LightSampleOf<F> sample = sample_one_light<F>(light, receiver, u, active);
     sample.pdf_solid_angle *= light.load().choice_probability;
     sample.light = UintOf<F>{};
     return sample;
   }
 }
 
-/// The density by solid angle with which sample_light from `reference` produces `position`, a point of light
+/// The density by solid angle with which sample_light for `receiver` produces `position`, a point of light
 /// number `light` in the unit direction wi; 0 where it cannot.
 template <class F = float>
 MLT_NOINLINE F light_pdf_solid_angle(const LightTable& table, const UintOf<F>& light,
-                                     const Vec3Of<F>& reference, const Vec3Of<F>& position,
-                                     const Vec3Of<F>& wi, const MaskOf<F>& active = not_in(MaskOf<F>{})) {
+                                     const std::type_identity_t<ReceiverOf<F>>& receiver,
+                                     const Vec3Of<F>& position, const Vec3Of<F>& wi,
+                                     const MaskOf<F>& active = not_in(MaskOf<F>{})) {
   const LightRefOf<F> chosen(table.lights.data(), light);
-  return one_light_pdf_solid_angle<F>(chosen, reference, position, wi, active) *
+  return one_light_pdf_solid_angle<F>(chosen, receiver, position, wi, active) *
          chosen.load().choice_probability;
 }
 
