@@ -143,8 +143,8 @@ class PathIntegrator {
     const V radiance = select(is_front, light.load().radiance, V{F{}, F{}, F{}});
     const M weighted = lit & is_front & not_in(arrival.is_delta);
     if (!any(weighted)) return radiance;
-    const F pdf_light = light_pdf_solid_angle<F>(world_.lights, light_index, arrival.from, point.position,
-                                                 direction, weighted);
+    const F pdf_light = light_pdf_solid_angle<kManyLights, F>(world_.lights, light_index, arrival.from,
+                                                              point.position, direction, weighted);
     const F weight = power_heuristic(nonzero(weighted, arrival.pdf_solid_angle), pdf_light);
     return select(weighted, radiance * weight, radiance);
   }

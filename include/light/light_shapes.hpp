@@ -71,7 +71,7 @@ MLT_INLINE F corner_weight(const ReceiverOf<F>& receiver, const Vec3Of<F>& to_co
   return select(weight > 0.0f, weight, F{});
 }
 
-/// Density on a quad relative to the uniform one, bilinear between its corners [Hart20 section 4.2].
+/// Density on a quad relative to the uniform one, bilinear between its corners [Hart20].
 template <class F>
 struct QuadDensity {
   F at_00, at_10, at_01, at_11;  ///< 4 in all; at_10 is at the end of edge_u

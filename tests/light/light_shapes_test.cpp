@@ -162,7 +162,7 @@ TEST_CASE("every light shape: samples and densities agree with exact geometry", 
       const std::optional<DVec3> point = meet_light(view.light, from, direction);
       if (!point) continue;
       const float pdf =
-          light_pdf_solid_angle(single.table, 0, view.receiver(), Vec3{*point}, sample.direction);
+          light_pdf_solid_angle<false>(single.table, 0, view.receiver(), Vec3{*point}, sample.direction);
       REQUIRE(pdf == Approx(sample.pdf_solid_angle).epsilon(2e-4));
     }
     const double exact = solid_angle(view.light, DVec3{view.reference});
