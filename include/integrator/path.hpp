@@ -57,7 +57,7 @@ class PathIntegrator {
 
   /// What the next hit of a light must know of the vertex before it.
   struct Arrival {
-    V from{F{}, F{}, F{}};
+    ReceiverOf<F> from{V{F{}, F{}, F{}}};
     F pdf_solid_angle{};
     M is_delta = not_in(M{});  ///< light sampling could not have produced this edge
   };
@@ -83,7 +83,8 @@ class PathIntegrator {
       move(ray.direction, to.ray.direction);
       move(radiance, to.radiance);
       move(throughput, to.throughput);
-      move(arrival.from, to.arrival.from);
+      move(arrival.from.position, to.arrival.from.position);
+      move(arrival.from.normal, to.arrival.from.normal);
       move(arrival.pdf_solid_angle, to.arrival.pdf_solid_angle);
       move(arrival.is_delta, to.arrival.is_delta);
       move(eta_scale, to.eta_scale);
@@ -158,9 +159,11 @@ class PathIntegrator {
                                     gather_bytes<F>(&world_.primitives[0].material, primitive_offset));
     const FrameOf<F> frame(point.normal);
     const V wo = frame.to_local(-paths.ray.direction);
+    // Materials that light is sampled for gather it on the side that is looked at.
+    const ReceiverOf<F> receiver{point.position, select(wo.z < 0.0f, -point.normal, point.normal)};
     if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
       const V gathered =
-          paths.throughput * direct_light(sampler, material, Vertex{point, frame, wo, hit}, rough);
+          paths.throughput * direct_light(sampler, material, Vertex{point, frame, wo, hit, receiver}, rough);
       paths.radiance = select(rough, paths.radiance + gathered, paths.radiance);
     } else {
       sampler.skip(kLightSamples, active);
@@ -177,7 +180,7 @@ class PathIntegrator {
       active &= survives(sampler, edge, paths.eta_scale, paths.throughput, active);
       if (!any(active)) return;
     }
-    paths.arrival = Arrival{point.position, bsdf.pdf_solid_angle, bsdf.is_delta};
+    paths.arrival = Arrival{receiver, bsdf.pdf_solid_angle, bsdf.is_delta};
     paths.leaves = hit;
     const V direction = frame.to_world(bsdf.wi);
     paths.ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
@@ -192,8 +195,8 @@ class PathIntegrator {
     const V radiance = select(is_front, light.load().radiance, V{F{}, F{}, F{}});
     const M weighted = lit & is_front & not_in(arrival.is_delta);
     if (!any(weighted)) return radiance;
-    const F pdf_light = light_pdf_solid_angle<F>(world_.lights, light_index, arrival.from, point.position,
-                                                 direction, weighted);
+    const F pdf_light = light_pdf_solid_angle<kManyLights, F>(world_.lights, light_index, arrival.from,
+                                                              point.position, direction, weighted);
     const F weight = power_heuristic(nonzero(weighted, arrival.pdf_solid_angle), pdf_light);
     return select(weighted, radiance * weight, radiance);
   }
@@ -204,6 +207,7 @@ class PathIntegrator {
     const FrameOf<F>& frame;
     const V& wo;
     const UintOf<F>& primitive;
+    const ReceiverOf<F>& receiver;
   };
 
   /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
@@ -212,8 +216,8 @@ class PathIntegrator {
                             M active) const {
     const V black{F{}, F{}, F{}};
     const F u_choice = kManyLights ? sampler.next(active) : F{};
-    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.point.position,
-                                                                u_choice, sampler.next_2d(active), active);
+    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.receiver, u_choice,
+                                                                sampler.next_2d(active), active);
     M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
     if (!any(seen)) return black;
     const BsdfValueOf<F> bsdf =

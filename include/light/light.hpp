@@ -21,7 +21,7 @@ enum class LightShape : std::uint32_t { kQuad, kTriangle, kSphere };
 struct alignas(32) Light {
   // Rows of four floats, which lanes load together.
   Vec3 origin{0, 0, 0};  ///< corner a, or the sphere's centre
-  float radius = 0;
+  float radius = 0;      ///< the sphere's; of a polygon, that of a sphere around its middle that holds it
   Vec3 edge_u{0, 0, 0};  ///< b - a
   float area = 0;
   Vec3 edge_v{0, 0, 0};          ///< quad: d - a; triangle: c - a
@@ -84,6 +84,20 @@ class LightRefOf {
   UintOf<F> offset_;
   bool uniform_ = false;
 };
+
+/// Who looks at a light. The normal of its surface, on the side that gathers light, lets samples
+/// prefer lights and points of quads that are high above its horizon; with none, (0, 0, 0), lights are chosen
+/// by power alone and points uniformly by area. A surface that
+/// gathers light on both sides must give none.
+template <class F>
+struct ReceiverOf {
+  Vec3Of<F> position;
+  Vec3Of<F> normal{F{}, F{}, F{}};
+
+  ReceiverOf(const Vec3Of<F>& at) : position(at) {}
+  ReceiverOf(const Vec3Of<F>& at, const Vec3Of<F>& surface_normal) : position(at), normal(surface_normal) {}
+};
+using Receiver = ReceiverOf<float>;
 
 /// A point on a light as seen from a reference point.
 template <class F>

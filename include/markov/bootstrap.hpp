@@ -1,4 +1,4 @@
-// The bootstrap: many independent paths that estimate b, the integral of the target function, and from which
+// The bootstrap: many paths that estimate b, the integral of the target function, and from which
 // chains start with probability proportional to luminance. Luminances are not stored: paths are summed in
 // chunks of fixed size, and a chain that starts replays the one chunk that its position falls into.
 #pragma once
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/assert.hpp"
-#include "integrator/sampler.hpp"
+#include "markov/bootstrap_sampler.hpp"
 #include "markov/contribution.hpp"
 #include "math/rng.hpp"
 
@@ -16,9 +16,9 @@ namespace mlt {
 inline constexpr std::uint64_t kBootstrapChunk = 64;  ///< paths
 
 struct BootstrapChunk {
-  double sum = 0;  ///< of luminance, in index order
-  double sum_squares = 0;
-  double cumulative = 0;  ///< sum of all chunks before this one; filled by accumulate_bootstrap
+  double sum = 0;           ///< of luminance, in index order
+  double sum_variance = 0;  ///< estimate of the sum's variance
+  double cumulative = 0;    ///< sum of all chunks before this one; filled by accumulate_bootstrap
 };
 
 /// Moments of the luminance of independent paths.
@@ -47,15 +47,51 @@ struct LuminanceMoments {
   }
 };
 
+/// A sum of luminances and an estimate of its variance.
+struct LuminanceSum {
+  double sum = 0;
+  double sum_variance = 0;
+  std::uint64_t count = 0;
+
+  void add(const LuminanceMoments& independent) {
+    const double error = independent.standard_error() * static_cast<double>(independent.count);
+    sum += independent.sum;
+    sum_variance += error * error;
+    count += independent.count;
+  }
+  double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+  double standard_error() const {
+    return count == 0 ? 0.0 : std::sqrt(sum_variance) / static_cast<double>(count);
+  }
+};
+
+/// Estimates the variance of a sum of values, each from a stratum of its own, by the differences of
+/// neighbours, the last and the first among them. They hold the differences of the strata as well: for
+/// independent values the expectation is never too small [Cochran77 section 5A.12].
+class NeighbourDifferences {
+ public:
+  void add(double value) {
+    if (count_ == 0) first_ = last_ = value;
+    squares_ += (value - last_) * (value - last_);
+    last_ = value;
+    count_ += 1;
+  }
+  /// A value without a neighbour is taken for the error itself.
+  double sum_variance() const {
+    return count_ < 2 ? last_ * last_ : 0.5 * (squares_ + (last_ - first_) * (last_ - first_));
+  }
+
+ private:
+  double squares_ = 0;
+  double first_ = 0, last_ = 0;
+  std::uint64_t count_ = 0;
+};
+
 /// Where a chain starts: a bootstrap path, and the luminance that its replay must reproduce bit for bit.
 struct SeedPath {
   std::uint64_t index = 0;
   float target = 0;
 };
-
-inline Rng bootstrap_stream(std::uint64_t seed, std::uint64_t path_index) {
-  return Rng(seed, StreamPurpose::kBootstrap, path_index);
-}
 
 constexpr std::uint64_t bootstrap_chunk_count(std::uint64_t paths) {
   return (paths + kBootstrapChunk - 1) / kBootstrapChunk;
@@ -84,11 +120,10 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
   for (std::uint64_t index = first; index < last; index += kLaneCount<F>) {
     context.step = index;
     const MaskOf<F> active = first_lanes<F>(last - index);
-    RngOf<F> streams;
+    BootstrapSamplerOf<F> sampler;
     for_lanes(active, [&](int lane) {
-      streams.set_lane(lane, bootstrap_stream(seed, index + static_cast<std::uint64_t>(lane)));
+      sampler.set_lane(lane, seed, index + static_cast<std::uint64_t>(lane), paths);
     });
-    IndependentSamplerOf<F> sampler(streams);
     evaluate_into(
         integrator, sampler, active, [&](int lane) -> Contribution& { return contributions.lane[lane]; },
         [&](int) -> DefectCounts& { return defects; });
@@ -105,17 +140,19 @@ BootstrapChunk evaluate_bootstrap_chunk(const Integrator& integrator, std::uint6
                                         std::uint64_t chunk_index, std::uint64_t paths,
                                         std::span<Splat> splats, DefectCounts& defects) {
   BootstrapChunk chunk;
+  NeighbourDifferences differences;
   visit_bootstrap_chunk(integrator, seed, chunk_index, paths, splats, defects,
-                        [&chunk](std::uint64_t, float target) {
+                        [&](std::uint64_t, float target) {
                           const double value = target;
                           chunk.sum += value;
-                          chunk.sum_squares += value * value;
+                          differences.add(value);
                         });
+  chunk.sum_variance = differences.sum_variance();
   return chunk;
 }
 
-/// Fills the cumulative sums and returns the moments of all paths.
-LuminanceMoments accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uint64_t paths);
+/// Fills the cumulative sums and returns the sum of all paths.
+LuminanceSum accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uint64_t paths);
 
 /// The chunk in which `position` (in [0, total luminance)) falls; it has a positive sum.
 std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, double position);

@@ -22,8 +22,9 @@ namespace mlt {
 
 struct ChainSettings {
   std::uint64_t seed = 0;
-  float large_step = 0.2f;  ///< probability in [0,1]
-  float weight_b = 0;       ///< w above: the frozen b of the weights, > 0
+  std::uint64_t bootstrap = 0;  ///< paths, one of which each chain starts from
+  float large_step = 0.2f;      ///< probability in [0,1]
+  float weight_b = 0;           ///< w above: the frozen b of the weights, > 0
   FillSteps fill_steps = nullptr;
   float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
   std::uint32_t first_time = 1;
@@ -134,13 +135,13 @@ class ChainGroup {
     context.seed = settings_.seed;
     context.unit = tasks_.empty() ? 0 : tasks_[0].chain_index;
     context.step = 0;
-    RngOf<F> starts;
+    BootstrapSamplerOf<F> starts;
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const int lane = static_cast<int>(i);
       const std::uint64_t index = tasks_[i].chain_index;
       samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index),
                         BlockRng(settings_.seed, StreamPurpose::kSteps, index));
-      starts.set_lane(lane, bootstrap_stream(settings_.seed, tasks_[i].start.index));
+      starts.set_lane(lane, settings_.seed, tasks_[i].start.index, settings_.bootstrap);
     }
     samples_.begin_initial(starts);
     DefectCounts counted_by_the_bootstrap;

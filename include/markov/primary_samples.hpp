@@ -10,6 +10,7 @@
 
 #include "base/assert.hpp"
 #include "integrator/sampler.hpp"
+#include "markov/bootstrap_sampler.hpp"
 #include "markov/mutation.hpp"
 #include "math/gather.hpp"
 #include "math/rng.hpp"
@@ -106,9 +107,8 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     steps_.set_lane(lane, steps);
   }
 
-  /// Draws the first state's samples from `source`, in the order in which the path asks for them, exactly as
-  /// IndependentSampler would.
-  void begin_initial(const RngOf<F>& source) {
+  /// Takes the first state's samples from `source`, in the order in which the path asks for them.
+  void begin_initial(const BootstrapSamplerOf<F>& source) {
     initial_ = source;
     is_initial_ = true;
     progress_.restart();
@@ -196,7 +196,7 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   std::span<SavedSampleOf<F>> saved_;
   RngOf<F> rng_;
   StepSource<F> steps_;
-  RngOf<F> initial_;
+  BootstrapSamplerOf<F> initial_;
   U time_;
   U current_time_{};  ///< of samples that a small step need not bring up to date
   U large_step_time_;

@@ -19,6 +19,7 @@ enum class StreamPurpose : std::uint32_t {
   kTest = 5,
   kSteps = 6,
   kResampling = 7,
+  kBootstrapFilm = 8,
   kRelabelling = 16  ///< of replicates, in a permutation test
 };
 

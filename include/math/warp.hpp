@@ -38,6 +38,16 @@ inline Vec3Of<F> uniform_triangle(const Vec2Of<F>& u) {
   return Vec3Of<F>{select(below, rest, half), select(below, half, rest), 1.0f - greater};
 }
 
+/// A number in [0,1) with density proportional to at_0 (1 - x) + at_1 x; both ends >= 0, finite, with finite
+/// squares. Where both are 0 it is 0.
+template <class F>
+inline F linear_density(F u, F at_0, F at_1) {
+  const F root = square_root(at_0 * at_0 + u * (at_1 * at_1 - at_0 * at_0));
+  const F denominator = at_0 + root;
+  const F x = u * (at_0 + at_1) / nonzero(denominator > 0.0f, denominator);
+  return select(x < 1.0f, x, broadcast_to<F>(0x1.fffffep-1f));
+}
+
 /// Density per area of a point chosen by uniform_triangle() on a triangle of this area (> 0).
 inline float uniform_triangle_pdf_area(float area) {
   return 1.0f / area;

@@ -57,7 +57,7 @@ struct RenderStorage {
   std::span<FilmPixel> films;  ///< one after the other, each of image.size() pixels
   std::span<BootstrapChunk> bootstrap;
   std::span<ChainStatistics> chains;  ///< of one round
-  LuminanceMoments bootstrap_moments;
+  LuminanceSum bootstrap_luminance;
   std::uint64_t mutations = 0;         ///< of all chains
   std::uint64_t chain_group_size = 1;  ///< chains that one call runs together, at most the kernel's lanes
   std::uint32_t fraction_bits = 0;

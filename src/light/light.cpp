@@ -25,6 +25,10 @@ float offset_bound(std::initializer_list<Vec3> corners) {
 /// Everything but the area, of which this returns what the parallelogram over both edges has. In double,
 /// where the squared cross product of the shortest float edges does not underflow.
 double set_polygon(Light& light, const Vec3& a, const Vec3& b, const Vec3& last, const Vec3& radiance) {
+  // Of the corners of a triangle, none is farther from the middle than two thirds of both edges together; of
+  // a parallelogram, than half of them.
+  const double edges = length(DVec3{b} - DVec3{a}) + length(DVec3{last} - DVec3{a});
+  light.radius = static_cast<float>((light.shape == LightShape::kQuad ? 0.5 : 2.0 / 3.0) * edges);
   light.origin = a;
   light.edge_u = b - a;
   light.edge_v = last - a;

@@ -2,15 +2,15 @@
 
 namespace mlt {
 
-LuminanceMoments accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uint64_t paths) {
-  LuminanceMoments moments;
+LuminanceSum accumulate_bootstrap(std::span<BootstrapChunk> chunks, std::uint64_t paths) {
+  LuminanceSum total;
   for (BootstrapChunk& chunk : chunks) {
-    chunk.cumulative = moments.sum;
-    moments.sum += chunk.sum;
-    moments.sum_squares += chunk.sum_squares;
+    chunk.cumulative = total.sum;
+    total.sum += chunk.sum;
+    total.sum_variance += chunk.sum_variance;
   }
-  moments.count = paths;
-  return moments;
+  total.count = paths;
+  return total;
 }
 
 std::uint64_t find_bootstrap_chunk(std::span<const BootstrapChunk> chunks, double position) {

@@ -38,7 +38,7 @@ SeedPath find_start(const WideIntegrator<kFeatures>& integrator, const RenderSto
   const double position = storage.job.start == StartKind::first_hit
                               ? 0.0
                               : seed_position(storage.job.seed, storage.round, chain, storage.job.chains,
-                                              storage.bootstrap_moments.sum);
+                                              storage.bootstrap_luminance.sum);
   return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
                         own.proposed);
 }
@@ -76,8 +76,9 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   }
   ChainSettings settings;
   settings.seed = job.seed;
+  settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
-  settings.weight_b = static_cast<float>(storage.bootstrap_moments.mean());
+  settings.weight_b = static_cast<float>(storage.bootstrap_luminance.mean());
   settings.fill_steps = fill_steps_of(job.mutation);
   settings.step_size = job.step_size;
   ChainGroup<WideIntegrator<kFeatures>, FixedFilm> chains(

@@ -117,12 +117,12 @@ void Renderer::State::render_metropolis() {
   const std::uint64_t chunks = storage.bootstrap.size();
   const std::uint64_t chunks_run = run_phase("bootstrap", plan.kernel.bootstrap_chunk, chunks, true);
   statistics.partial = chunks_run < chunks;
-  storage.bootstrap_moments =
+  storage.bootstrap_luminance =
       accumulate_bootstrap(storage.bootstrap, std::min(chunks_run * kBootstrapChunk, plan.job.bootstrap));
   for (const WorkerStorage& worker : storage.workers) add_defects(statistics, worker.bootstrap_defects);
 
   ChainStatistics total;
-  statistics.black = !(storage.bootstrap_moments.sum > 0.0);
+  statistics.black = !(storage.bootstrap_luminance.sum > 0.0);
   if (!statistics.partial && !statistics.black) {
     do {
       statistics.partial = !run_chains(total);
@@ -176,21 +176,21 @@ void develop_unit(void* context, std::uint32_t, std::uint64_t unit) {
 }
 
 void Renderer::State::develop_metropolis(const ChainStatistics& total) {
-  LuminanceMoments moments = storage.bootstrap_moments;
-  moments.add(total.large_steps);
+  LuminanceSum uniform = storage.bootstrap_luminance;
+  uniform.add(total.large_steps);
   // The weights' b was rounded to float for the chains; the same number must develop their film.
-  normalisation = FilmNormalisation{moments.mean(),
-                                    static_cast<double>(static_cast<float>(storage.bootstrap_moments.mean())),
-                                    total.mutations, storage.fraction_bits};
+  normalisation = FilmNormalisation{
+      uniform.mean(), static_cast<double>(static_cast<float>(storage.bootstrap_luminance.mean())),
+      total.mutations, storage.fraction_bits};
   DevelopContext context{storage, normalisation};
   pool.run(Phase{"develop", &develop_unit, &context, plan.pixel_units(), false}, *stop, nullptr, nullptr);
 
   const std::uint64_t large_steps = total.large_steps.count;
-  statistics.samples = storage.bootstrap_moments.count + total.mutations;
+  statistics.samples = storage.bootstrap_luminance.count + total.mutations;
   statistics.mutations = total.mutations;
   statistics.primary_samples = total.primary_samples;
-  statistics.b = moments.mean();
-  statistics.b_standard_error = moments.standard_error();
+  statistics.b = uniform.mean();
+  statistics.b_standard_error = uniform.standard_error();
   statistics.acceptance_large =
       large_steps == 0 ? 0.0 : total.acceptance_large / static_cast<double>(large_steps);
   statistics.acceptance_small =

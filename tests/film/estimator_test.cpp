@@ -38,10 +38,10 @@ Rendered render(const Integrator& integrator, const ToyJob& job, bool pooled) {
   std::vector<FilmPixel> pixels(Integrator::kPixels);
   FixedFilm film(pixels, bits);
   const ChainStatistics statistics = run_chains<Mutation>(integrator, job, bootstrap, film);
-  LuminanceMoments moments = bootstrap.moments;
-  if (pooled) moments.add(statistics.large_steps);
+  LuminanceSum luminance_sum = bootstrap.luminance;
+  if (pooled) luminance_sum.add(statistics.large_steps);
   FilmNormalisation normalisation;
-  normalisation.b = moments.mean();
+  normalisation.b = luminance_sum.mean();
   normalisation.weight_b = static_cast<double>(weight_b_of(job, bootstrap));
   normalisation.mutations = mutations;
   normalisation.fraction_bits = bits;

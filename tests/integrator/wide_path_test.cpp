@@ -44,6 +44,15 @@ quad -0.5 1.999 -0.5  0.5 1.999 -0.5  0.5 1.999 0.5  -0.5 1.999 0.5  material gr
 quad -0.5 1.999 -0.5  0.5 1.999 -0.5  0.5 1.999 0.5  -0.5 1.999 0.5  material red
 )";
 
+// Paths leave it after any edge.
+constexpr const char* kOpenCorner = R"(
+camera eye 0.1 0.2 3.5 target 0 0 0 fov 60
+material grey diffuse reflectance 0.9
+quad -2 -2 -2  2 -2 -2  2 -2 2  -2 -2 2  material grey
+quad -2 -2 -2  2 -2 -2  2 2 -2  -2 2 -2  material grey
+quad -0.5 1.9 -0.5  0.5 1.9 -0.5  0.5 1.9 0.5  -0.5 1.9 0.5  material grey emit 6 5 4
+)";
+
 constexpr std::uint32_t kSide = 16;
 
 bool same_bits(const Vec3& a, const Vec3& b) {
@@ -170,11 +179,13 @@ void check_batches(const World& world, const PathSettings& settings, std::uint64
 TEST_CASE("a path of a batch is the path that it would be alone") {
   const CompiledScene room(kRoom, kSide, kSide);
   const CompiledScene plain(kPlainRoom, kSide, kSide);
+  const CompiledScene open(kOpenCorner, kSide, kSide);
   constexpr FeatureMask kAll = kFeatureMaskCount - 1;
   for (const std::uint64_t count : {1U, 5U, 40U, 64U, 150U}) {
     INFO(count << " samples a pixel");
     check_batches<kAll>(room.world(), {12, 2}, count);
     check_batches<feature(FeatureBit::roulette)>(plain.world(), {40, 2}, count);
+    check_batches<0>(open.world(), {8, 0}, count);
   }
 }
 

@@ -86,9 +86,80 @@ TEST_CASE("the sampler's density holds the probability of the choice", "[light]"
     REQUIRE(sample.pdf_solid_angle == alone.pdf_solid_angle * light.choice_probability);
     REQUIRE(sample.position == alone.position);
     // The offset moves the point by 1e-5 at most, which the density of an area at distance 2 follows.
-    REQUIRE(light_pdf_solid_angle(t.table, sample.light, reference, sample.position, sample.direction) ==
-            Approx(sample.pdf_solid_angle).epsilon(2e-5));
+    REQUIRE(light_pdf_solid_angle<true>(t.table, sample.light, reference, sample.position,
+                                        sample.direction) == Approx(sample.pdf_solid_angle).epsilon(2e-5));
   }
+}
+
+/// Lights of all shapes around a floor, one of them below it and one that faces away.
+Table lamps_over_a_floor() {
+  Light away = square_light(1, 4);
+  away.origin = Vec3{1, 1, 2};
+  Light below = square_light(1, 4);
+  below.origin = Vec3{0, 0, -3};
+  Light ahead = square_light(1, 2);
+  ahead.normal = Vec3{0, 0, -1};
+  ahead.origin = Vec3{-1, 2, 1.5f};
+  const Light triangle = make_triangle_light(Triangle{{2, 0, 1}, {2, 1, 1}, {2.5f, 0, 1.2f}}, Vec3{3, 3, 3});
+  return Table({away, make_sphere_light(Sphere{{5, 5, 1}, 1}, Vec3{1, 1, 1}), below, ahead, triangle,
+                make_sphere_light(Sphere{{0, 1, 0.5f}, 0.1f}, Vec3{9, 9, 9})});
+}
+
+TEST_CASE("weighed lights are chosen as often as the density says, and those in sight more often",
+          "[light]") {
+  const Table t = lamps_over_a_floor();
+  const Receiver floor{Vec3{0.3f, 0.2f, 0}, Vec3{0, 0, 1}};
+  std::vector<double> expected(t.lights.size());
+  double sum = 0;
+  for (std::uint32_t i = 0; i < t.lights.size(); ++i) {
+    const float power = t.lights[i].choice_probability;
+    const double p = weighed_light_probability<float>(t.table, floor, i, power);
+    sum += p;
+    expected[i] = 100000 * p;
+    INFO("light " << i);
+    CHECK(p >= static_cast<double>(kPowerPart * power));
+    // From behind or below the horizon nothing arrives: power alone decides.
+    if (i == 0 || i == 2) CHECK(p == static_cast<double>(kPowerPart * power));
+  }
+  // The sum of six roundings.
+  CHECK(sum == Approx(1).epsilon(6 * 0x1p-24));
+  // Near and bright, 0.02 of the power.
+  CHECK(expected[5] > 20000);
+  std::vector<std::uint64_t> observed(t.lights.size());
+  Rng rng(33, StreamPurpose::kTest, 0);
+  for (int i = 0; i < 100000; ++i) {
+    const LightSample sample = sample_light<true>(t.table, floor, rng.next_float(), random_pair(rng));
+    REQUIRE(sample.light < t.lights.size());
+    observed[sample.light] += 1;
+    if (!(sample.pdf_solid_angle > 0)) continue;
+    // As above, for points that are offset, at distances from 0.5 on.
+    REQUIRE(light_pdf_solid_angle<true>(t.table, sample.light, floor, sample.position, sample.direction) ==
+            Approx(sample.pdf_solid_angle).epsilon(1e-3));
+  }
+  CHECK(chi_square_test(observed, expected).p_value > 0.001);
+}
+
+TEST_CASE("irradiance from several lights is the sum of theirs, whatever weighs them", "[light]") {
+  const Table t = lamps_over_a_floor();
+  const Receiver floor{Vec3{0.3f, 0.2f, 0}, Vec3{0, 0, 1}};
+  const auto irradiance = [&](auto&& sample) {
+    std::vector<double> values;
+    for (int i = 0; i < 200000; ++i) {
+      const LightSample s = sample();
+      const double cosine = std::max(0.0, static_cast<double>(s.direction.z));
+      values.push_back(s.pdf_solid_angle > 0 ? s.radiance.x * cosine / s.pdf_solid_angle : 0);
+    }
+    return moments(values);
+  };
+  Rng rng(34, StreamPurpose::kTest, 0);
+  const Moments weighed =
+      irradiance([&] { return sample_light<true>(t.table, floor, rng.next_float(), random_pair(rng)); });
+  // Without a normal the choice is by power.
+  const Moments by_power = irradiance(
+      [&] { return sample_light<true>(t.table, floor.position, rng.next_float(), random_pair(rng)); });
+  const double error = std::hypot(weighed.standard_error(), by_power.standard_error());
+  CHECK(std::fabs(weighed.mean - by_power.mean) < 4 * error);
+  CHECK(weighed.variance < 0.3 * by_power.variance);
 }
 
 TEST_CASE("lights without power are never chosen", "[light]") {
@@ -112,7 +183,7 @@ TEST_CASE("lights without power are never chosen", "[light]") {
   const LightSample none = sample_light<true>(dark.table, Vec3{0, 0, 1}, 0.5f, Vec2{0.5f, 0.5f});
   CHECK(none.pdf_solid_angle == 0.0f);
   CHECK(none.light == kNoLight);
-  CHECK(light_pdf_solid_angle(dark.table, 1, Vec3{0, 0, 1}, Vec3{0, 0, 0}, Vec3{0, 0, -1}) == 0.0f);
+  CHECK(light_pdf_solid_angle<true>(dark.table, 1, Vec3{0, 0, 1}, Vec3{0, 0, 0}, Vec3{0, 0, -1}) == 0.0f);
   const LightTable empty;
   CHECK(sample_light<false>(empty, Vec3{0, 0, 1}, 0, Vec2{0, 0}).pdf_solid_angle == 0.0f);
   CHECK(sample_light<true>(empty, Vec3{0, 0, 1}, 0, Vec2{0, 0}).pdf_solid_angle == 0.0f);

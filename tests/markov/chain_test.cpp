@@ -95,7 +95,7 @@ TEST_CASE(
 
 TEST_CASE("pitfall 10: a chain shares no random numbers with the bootstrap path of its own index") {
   for (std::uint64_t chain = 1; chain < 1000; ++chain) {
-    IndependentSampler bootstrap(bootstrap_stream(1, chain));
+    BootstrapSamplerOf<float> bootstrap = bootstrap_sampler(1, chain, 1000);
     std::set<std::uint32_t> values;
     for (int i = 0; i < 32; ++i) values.insert(bootstrap.next_fixed());
     const std::vector<std::uint32_t> own = proposals(1, chain, 1);

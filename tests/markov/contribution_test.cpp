@@ -147,7 +147,7 @@ TEST_CASE("pitfall 3 and 4: injected defects are counted, rejected and leave the
       for (std::size_t k = 0; k < injected.size(); ++k) injected[k] += toy.injected[k];
       longest_run = std::max(longest_run, statistics.longest_rejection_run);
     }
-    const std::vector<double> image = film.develop(bootstrap.moments.mean(), job.weight_b, 32 * 64);
+    const std::vector<double> image = film.develop(bootstrap.luminance.mean(), job.weight_b, 32 * 64);
     for (const double value : image) REQUIRE((std::isfinite(value) && value >= 0));
     images.add(image);
   }

@@ -62,7 +62,7 @@ TEST_CASE("b of the bootstrap and of all large steps agree with the target's int
     const ToyBootstrap bootstrap = run_bootstrap(toy, job.seed, job.bootstrap);
     DoubleFilm film(toy.kPixels);
     const ChainStatistics statistics = run_chains<Kelemen>(toy, job, bootstrap, film);
-    from_bootstrap.push_back(bootstrap.moments.mean());
+    from_bootstrap.push_back(bootstrap.luminance.mean());
     from_large_steps.push_back(statistics.large_steps.mean());
     CHECK(statistics.large_steps.count + statistics.small_steps == job.chains * job.mutations);
   }
@@ -155,7 +155,7 @@ TEST_CASE("pitfall 5: two spikes keep their integrals over thousands of chains t
     const ToyBootstrap bootstrap = run_bootstrap(toy, seed, job.bootstrap);
     DoubleFilm film(toy.kPixels);
     longest_run = std::max(longest_run, run_chains<Kelemen>(toy, job, bootstrap, film).longest_rejection_run);
-    images.add(film.develop(bootstrap.moments.mean(), job.weight_b, job.chains * job.mutations));
+    images.add(film.develop(bootstrap.luminance.mean(), job.weight_b, job.chains * job.mutations));
   }
   const double threshold = sidak_threshold(kSignificance, toy.expected().size() + 1);
   CHECK(images.smallest_p_value() > threshold);

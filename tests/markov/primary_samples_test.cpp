@@ -46,7 +46,7 @@ struct Fixture {
   explicit Fixture(std::uint64_t stream, std::uint32_t first_time = 1)
       : vector(samples, saved, &Mutation::template fill<BlockRng>, 1, first_time) {
     vector.set_lane(0, Rng(19, StreamPurpose::kTest, stream), BlockRng(23, StreamPurpose::kTest, stream));
-    vector.begin_initial(Rng(20, StreamPurpose::kTest, stream));
+    vector.begin_initial(bootstrap_sampler(stream, 0, 1));
   }
 
   std::uint32_t propose(bool large_step, std::uint32_t index = 0) {
@@ -72,7 +72,7 @@ double two_sample_p_value(const std::vector<std::uint64_t>& a, const std::vector
 
 TEST_CASE("the first state is the bootstrap path's, sample for sample") {
   Fixture<UnitMutation> fixture(0);
-  IndependentSampler reference(Rng(20, StreamPurpose::kTest, 0));
+  BootstrapSamplerOf<float> reference = bootstrap_sampler(0, 0, 1);
   CHECK(fixture.vector.next_fixed() == reference.next_fixed());
   fixture.vector.skip(1);
   reference.skip(1);

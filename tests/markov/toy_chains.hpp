@@ -26,7 +26,7 @@ struct ToyJob {
 
 struct ToyBootstrap {
   std::vector<BootstrapChunk> chunks;
-  LuminanceMoments moments;
+  LuminanceSum luminance;
   DefectCounts defects;
 };
 
@@ -38,7 +38,7 @@ ToyBootstrap run_bootstrap(const Integrator& integrator, std::uint64_t seed, std
   for (std::uint64_t i = 0; i < bootstrap.chunks.size(); ++i) {
     bootstrap.chunks[i] = evaluate_bootstrap_chunk(integrator, seed, i, paths, splats, bootstrap.defects);
   }
-  bootstrap.moments = accumulate_bootstrap(bootstrap.chunks, paths);
+  bootstrap.luminance = accumulate_bootstrap(bootstrap.chunks, paths);
   return bootstrap;
 }
 
@@ -46,7 +46,7 @@ template <class Integrator>
 SeedPath seed_path_of_chain(const Integrator& integrator, const ToyJob& job, const ToyBootstrap& bootstrap,
                             std::uint64_t chain) {
   std::array<Splat, Integrator::kMaxSplats> splats;
-  const double position = seed_position(job.seed, 0, chain, job.chains, bootstrap.moments.sum);
+  const double position = seed_position(job.seed, 0, chain, job.chains, bootstrap.luminance.sum);
   return find_seed_path(integrator, job.seed, job.bootstrap, bootstrap.chunks, position, splats);
 }
 
@@ -59,6 +59,7 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
   std::array<Splat, Integrator::kMaxSplats> current, proposed;
   ChainSettings settings;
   settings.seed = job.seed;
+  settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
   settings.weight_b = weight_b;
   settings.fill_steps = &Mutation::template fill<BlockRng>;
@@ -73,7 +74,7 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
 }
 
 inline float weight_b_of(const ToyJob& job, const ToyBootstrap& bootstrap) {
-  return job.weight_b > 0.0f ? job.weight_b : static_cast<float>(bootstrap.moments.mean());
+  return job.weight_b > 0.0f ? job.weight_b : static_cast<float>(bootstrap.luminance.mean());
 }
 
 /// All chains, in order, into one film.
@@ -81,7 +82,7 @@ template <class Mutation, class Integrator, class Film>
 ChainStatistics run_chains(const Integrator& integrator, const ToyJob& job, const ToyBootstrap& bootstrap,
                            Film& film) {
   ChainStatistics statistics;
-  if (!(bootstrap.moments.sum > 0.0)) return statistics;
+  if (!(bootstrap.luminance.sum > 0.0)) return statistics;
   for (std::uint64_t chain = 0; chain < job.chains; ++chain) {
     const SeedPath start = seed_path_of_chain(integrator, job, bootstrap, chain);
     statistics.add(run_chain<Mutation>(integrator, job, weight_b_of(job, bootstrap), chain, start, film));
@@ -128,7 +129,7 @@ std::vector<double> render_toy(const Integrator& integrator, const ToyJob& job) 
   const ToyBootstrap bootstrap = run_bootstrap(integrator, job.seed, job.bootstrap);
   DoubleFilm film(Integrator::kPixels);
   run_chains<Mutation>(integrator, job, bootstrap, film);
-  return film.develop(bootstrap.moments.mean(), weight_b_of(job, bootstrap), job.chains * job.mutations);
+  return film.develop(bootstrap.luminance.mean(), weight_b_of(job, bootstrap), job.chains * job.mutations);
 }
 
 /// Calls visit.operator()<kind>(name) for each registered kind of mutation.

@@ -141,6 +141,25 @@ TEST_CASE("pitfall 1: warps are finite and of positive density at the ends of th
   }
 }
 
+TEST_CASE("linear densities: the integral up to the number is the uniform one, and ends stay in [0,1)") {
+  for (const auto& [at_0, at_1] :
+       {std::pair{1.0f, 1.0f}, {0.0f, 3.0f}, {2.0f, 0.0f}, {1e-6f, 4.0f}, {4.0f, 1e-6f}}) {
+    for (int i = 0; i < 1000; ++i) {
+      const float u = static_cast<float>(i) / 1000;
+      const double x = linear_density(u, at_0, at_1);
+      const double a = at_0, b = at_1;
+      // Roundings of u and of the square root's argument, a few units in the last place of the whole.
+      CHECK((a * x + 0.5 * (b - a) * x * x) / (0.5 * (a + b)) == Approx(u).margin(5 * 0x1p-24));
+    }
+    for (const Vec2& u : edge_inputs()) {
+      const float x = linear_density(u.x, at_0, at_1);
+      CHECK(x >= 0.0f);
+      CHECK(x < 1.0f);
+    }
+  }
+  CHECK(linear_density(0.5f, 0.0f, 0.0f) == 0.0f);
+}
+
 TEST_CASE("pitfall 13: cosine-hemisphere samples keep f cos / pdf bounded over the rim") {
   // At the rim z^2 must be 1 - u.x to the rounding of a square root, not twice that; f = 1/pi then gives
   // f cos / pdf = 1 to the rounding of two constants.

@@ -118,13 +118,14 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   for (std::uint64_t i = 0; i < chunks.size(); ++i) {
     chunks[i] = evaluate_bootstrap_chunk(integrator, job.seed, i, job.bootstrap, proposed, defects);
   }
-  const LuminanceMoments bootstrap = accumulate_bootstrap(chunks, job.bootstrap);
+  const LuminanceSum bootstrap = accumulate_bootstrap(chunks, job.bootstrap);
 
   std::vector<FilmPixel> pixels(kSide * kSide);
   const std::uint32_t fraction_bits = film_fraction_bits(job.chains * job.mutations);
   FixedFilm film(pixels, fraction_bits);
   ChainSettings settings;
   settings.seed = job.seed;
+  settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
   settings.weight_b = static_cast<float>(bootstrap.mean() * job.b_factor);
   settings.fill_steps = &Mutation<MutationKind::kelemen>::fill<BlockRng>;
@@ -141,7 +142,7 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
     chain.run({&statistics, 1});
     total.add(statistics);
   }
-  LuminanceMoments all = bootstrap;
+  LuminanceSum all = bootstrap;
   all.add(total.large_steps);
   const FilmNormalisation normalisation{all.mean(), static_cast<double>(settings.weight_b), total.mutations,
                                         fraction_bits};
