@@ -61,6 +61,9 @@ struct PilotFinding {
   double cpu_seconds = 0;
 };
 
+/// `image` in width x height pixels, not more than it has: the means of those that lie in each.
+ImageBuffer reduced_image(const ImageView& image, std::uint32_t width, std::uint32_t height);
+
 /// Work that the path tracer needs over that of PSSMLT for the same relMSE. Both images show the same; the
 /// path tracer's has not more pixels in either direction, and errors are compared at its pixels.
 double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt);

@@ -22,6 +22,7 @@ constexpr double kClearFactor = 2.5;         ///< above or below the threshold, 
 constexpr double kMostPiloted = 0x1p24;      ///< samples of a job; the pilot of a larger one is no larger
 constexpr double kPathSamples = 8;           ///< a pixel, so that some of what stratification gains is seen
 constexpr std::uint64_t kChainLength = 512;  ///< mutations: some hundred large steps, and many chains
+constexpr std::uint64_t kChainGroup = 16;
 constexpr std::uint64_t kBootstrapShare = 8;
 constexpr std::uint64_t kPlannedPerPixel = 64;  ///< of jobs that state none, or end by the clock or an error
 
@@ -65,6 +66,12 @@ RenderJob path_job(const SceneDescription& scene, const RenderRequest& request, 
   return job;
 }
 
+/// About one to kChainLength mutations, as many as fill the lanes of the widest instruction set.
+std::uint32_t pilot_chains(std::uint64_t mutations) {
+  const std::uint64_t groups = (mutations / kChainLength + kChainGroup / 2) / kChainGroup;
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, groups) * kChainGroup);
+}
+
 /// That of chains does: what leaves a small pixel stays in a large one. They keep the job's film, although
 /// there may be less than one mutation a pixel.
 RenderJob chain_job(const SceneDescription& scene, const RenderRequest& request, double mutations) {
@@ -72,22 +79,22 @@ RenderJob chain_job(const SceneDescription& scene, const RenderRequest& request,
   pilot.samples_per_pixel = 1;
   RenderJob job = resolve_job(pilot, scene);
   job.mutations = static_cast<std::uint64_t>(mutations);
-  job.chains = static_cast<std::uint32_t>(job.mutations / kChainLength);
+  job.chains = pilot_chains(job.mutations);
   job.bootstrap = job.mutations / kBootstrapShare;
   job.hash_film = false;
   return job;
 }
 
-PilotRender render_round(Renderer& renderer, const RenderJob& job, const std::atomic<bool>& stop,
-                         PilotFinding& finding) {
+/// Kept at the size of the path tracer's film, at which errors are compared.
+PilotRender render_round(Renderer& renderer, const RenderJob& job, const RenderJob& path_settings,
+                         const std::atomic<bool>& stop, PilotFinding& finding) {
   const RenderStatistics statistics = renderer.run(stop, nullptr, nullptr);
   finding.paths += statistics.samples;
   const bool metropolis = job.integrator == IntegratorKind::pssmlt;
   const double pixels = static_cast<double>(job.width) * job.height;
-  const ImageView view = renderer.image();
   PilotRender round;
-  round.image = {view.width, view.height, {view.pixels.begin(), view.pixels.end()}};
-  round.variances = renderer.variances();
+  round.image = reduced_image(renderer.image(), path_settings.width, path_settings.height);
+  round.variances = reduced_image(renderer.variances().view(), path_settings.width, path_settings.height);
   round.per_pixel =
       metropolis ? static_cast<double>(job.mutations) / pixels : static_cast<double>(job.samples_per_pixel);
   round.paths = static_cast<double>(metropolis ? statistics.mutations : statistics.samples);
@@ -145,17 +152,17 @@ void compare(const SceneDescription& scene, const RenderRequest& request, double
   for (std::uint64_t round = 0; round < kMostRounds && !stop; ++round) {
     seed = mix64(seed + 0x9e3779b97f4a7c15ULL);
     path_renderer.restart(seed, roulette);
-    PilotRender path_round = render_round(path_renderer, path_settings, stop, finding);
+    PilotRender path_round = render_round(path_renderer, path_settings, path_settings, stop, finding);
     if (round == 0 && roulette > 0 && !request.roulette) {
       path_renderer.restart(seed, kEarlyRouletteEdge);
-      PilotRender early = render_round(path_renderer, path_settings, stop, finding);
+      PilotRender early = render_round(path_renderer, path_settings, path_settings, stop, finding);
       choose_roulette(path_round, early, finding);
       roulette = finding.roulette.value_or(roulette);
       if (roulette == kEarlyRouletteEdge) path_round = std::move(early);
     }
     chain_renderer.restart(seed, roulette);
     add_round(path, path_round, round);
-    add_round(pssmlt, render_round(chain_renderer, chain_settings, stop, finding), round);
+    add_round(pssmlt, render_round(chain_renderer, chain_settings, path_settings, stop, finding), round);
     if (!path.found_light || !pssmlt.found_light) continue;
     finding.advantage = pilot_advantage(path, pssmlt);
     finding.outcome = PilotOutcome::compared;

@@ -25,7 +25,7 @@ struct Plane {
 };
 
 /// To a film of width x height pixels, which is not larger: the means of those that lie in each.
-Plane reduced(const ImageBuffer& image, std::uint32_t width, std::uint32_t height) {
+Plane reduced(const ImageView& image, std::uint32_t width, std::uint32_t height) {
   MLT_CHECK(width <= image.width && height <= image.height);
   Plane result{width, height, std::vector<double>(std::size_t{width} * height * 3)};
   std::vector<double> counts(std::size_t{width} * height);
@@ -103,9 +103,17 @@ double samples_per_path(const PilotRender& render) {
 
 }  // namespace
 
+ImageBuffer reduced_image(const ImageView& image, std::uint32_t width, std::uint32_t height) {
+  const Plane plane = reduced(image, width, height);
+  ImageBuffer result{width, height, std::vector<Vec3>(std::size_t{width} * height)};
+  for (std::size_t i = 0; i < plane.values.size(); ++i)
+    result.pixels[i / 3][static_cast<int>(i % 3)] = static_cast<float>(plane.values[i]);
+  return result;
+}
+
 double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt) {
   const std::uint32_t width = path.image.width, height = path.image.height;
-  const auto plane_of = [&](const ImageBuffer& image) { return reduced(image, width, height); };
+  const auto plane_of = [&](const ImageBuffer& image) { return reduced(image.view(), width, height); };
   const Plane radiance = common_radiance(plane_of(path.image), plane_of(pssmlt.image));
   const double path_work =
       mean_relative_error(plane_of(path.variances), radiance) * path.per_pixel * samples_per_path(path);
@@ -116,7 +124,9 @@ double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt) {
 }
 
 double pilot_error_ratio(const PilotRender& a, const PilotRender& b) {
-  const auto plane_of = [](const ImageBuffer& image) { return reduced(image, image.width, image.height); };
+  const auto plane_of = [](const ImageBuffer& image) {
+    return reduced(image.view(), image.width, image.height);
+  };
   const Plane radiance = common_radiance(plane_of(a.image), plane_of(b.image));
   const double error = mean_relative_error(plane_of(b.variances), radiance);
   return error > 0.0 ? mean_relative_error(plane_of(a.variances), radiance) / error : 1.0;
