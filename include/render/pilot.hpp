@@ -22,7 +22,7 @@ inline constexpr std::uint64_t kLeastPiloted = std::uint64_t{1} << 19;
 
 /// PSSMLT is taken where its pilot needed so many times less work than the path tracer's for the same error.
 /// More than 1, because short chains have not met their rare large errors yet: calibrated in docs/RESULTS.md.
-inline constexpr double kPilotThreshold = 1.4;
+inline constexpr double kPilotThreshold = 1.2;
 
 /// What one integrator's pilot showed, as the mean over rounds of equal size.
 struct PilotRender {
