@@ -35,7 +35,8 @@ make_reference() {  # make_reference CASE SCENE
     -o "$out/$1/reference.pfm"
 }
 
-# CASE: both integrators, then the choices of auto, one line a seed: what was chosen, the pilot's seconds.
+# CASE: both integrators, then the choices of auto, one line a seed: what was chosen, the pilot's seconds, the
+# work that it found PSSMLT to need relative to the path tracer.
 run_case() {
   local folder=$out/$1 scene=$out/scenes/$1.txt reference=ref_images/256/$1.pfm seed
   mkdir -p "$folder"
@@ -52,8 +53,10 @@ run_case() {
   [ -e "$folder/choices.txt" ] && return
   for ((seed = 1; seed <= pilots; ++seed)); do
     "$mlt" info "$scene" --integrator auto --spp $budget --width 256 --height "$(height_of "$1")" \
-      --threads 1 --seed $seed | awk '/^choice / { chosen = $2 } /^pilot / { seconds = $(NF - 1) } END {
-        sub(":", "", chosen); print chosen, seconds }'
+      --threads 1 --seed $seed | awk '
+        /^choice / { chosen = $2; for (i = 3; i < NF; ++i) if ($i == "needed") needed = $(i + 1) }
+        /^pilot / { seconds = $(NF - 1) }
+        END { sub(":", "", chosen); print chosen, seconds, needed }'
   done >"$folder/choices.part"
   mv "$folder/choices.part" "$folder/choices.txt"
 }

@@ -45,10 +45,9 @@ inline constexpr std::uint32_t kMaxDepth = kMaxPathEdges;               ///< pat
 inline constexpr std::uint32_t kMaxThreads = 1024;
 inline constexpr std::size_t kDefaultFilmMemory = std::size_t{10} << 20;  ///< bytes
 inline constexpr std::uint32_t kMaxFilmSide = kMaxFilmSidePixels;         ///< pixels
-/// First path edges that Russian roulette may end (docs/RESULTS.md): chains gained or were alike with the
-/// 4th; the path tracer gained or was alike without roulette, in scenes of up to 24 edges.
-inline constexpr std::uint32_t kDefaultRouletteEdgePssmlt = 4;
-inline constexpr std::uint32_t kDefaultRouletteEdgePath = 24;
+/// First path edge that Russian roulette may end (docs/RESULTS.md): in scenes of up to 24 edges both
+/// integrators gained or were alike without roulette, but for PSSMLT where the path tracer is better anyway.
+inline constexpr std::uint32_t kDefaultRouletteEdge = 24;
 inline constexpr std::uint32_t kDefaultDepth = 8;  ///< path edges
 /// Samples or mutations a pixel of each round, where a job speaks of rounds.
 inline constexpr std::uint64_t kDefaultPerRound = 16;
@@ -102,6 +101,7 @@ struct RenderJob {
   std::uint32_t roulette = 0;  ///< 0: off
   std::size_t memory_limit = 0;
   std::size_t film_memory = 0;  ///< without influence on the image
+  bool hash_film = true;        ///< false: the statistics' film hash stays empty, which saves its time
 };
 
 /// The integrator of `request` must be chosen. Throws InputError (the option's name as file) when a value is

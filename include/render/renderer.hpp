@@ -47,7 +47,7 @@ struct RenderStatistics {
   ErrorEstimate error;             ///< estimated relMSE of the image
   bool partial = false;            ///< stopped before the end
   bool black = false;              ///< no path carried light
-  std::string film_hash;           ///< 64 hexadecimal digits, SHA-256
+  std::string film_hash;           ///< 64 hexadecimal digits, SHA-256; empty where the job wants none
 
   std::uint64_t rejected_non_finite() const { return rejected_nan + rejected_infinite + rejected_negative; }
 };
@@ -62,6 +62,10 @@ class Renderer {
  public:
   /// Computes the memory plan and checks it against the job's limit. `scene` must outlive prepare().
   Renderer(const SceneDescription& scene, const RenderJob& job);
+  /// A guest: renders the scene that `host` has compiled, by the host's threads, which saves the time and the
+  /// memory of both. Its film shows the host's view, in pixels that need not be square. The host must be
+  /// prepared, outlive the guest and have a job of the same instruction set; only one of the two may run.
+  Renderer(const Renderer& host, const RenderJob& job);
   ~Renderer();
 
   const MemoryPlan& memory_plan() const;
@@ -71,7 +75,10 @@ class Renderer {
   void prepare();
   /// `stop` is looked at before each chain or pixel block; `progress` may be null.
   RenderStatistics run(const std::atomic<bool>& stop, ProgressCallback progress, void* context);
-  /// Valid after run() until the renderer is destroyed.
+  /// Empties the film, for another run() of the same job with another seed and another edge at which roulette
+  /// begins; it cannot be switched on or off.
+  void restart(std::uint64_t seed, std::uint32_t roulette);
+  /// Valid after run() until restart() or until the renderer is destroyed.
   ImageView image() const;
   /// Estimated standard errors of the image's channels; zero where they are not known. Each pixel's variance
   /// is the mean over its 5 x 5 neighbours, since that of one pixel comes from a single difference.

@@ -40,6 +40,16 @@ struct Camera {
   Vec3 step_y{0, 0, 0};
   std::uint32_t width = 1, height = 1;  ///< pixels
 
+  /// The same view in another number of pixels, which are not square where the shape of the film changes.
+  Camera resized(std::uint32_t new_width, std::uint32_t new_height) const {
+    Camera camera = *this;
+    camera.step_x *= static_cast<float>(width) / static_cast<float>(new_width);
+    camera.step_y *= static_cast<float>(height) / static_cast<float>(new_height);
+    camera.width = new_width;
+    camera.height = new_height;
+    return camera;
+  }
+
   /// Primary samples (32-bit fixed point in [0,1)) to film position; exact.
   template <class F = float>
   FilmPositionOf<F> film_position(UintOf<F> sample_x, UintOf<F> sample_y) const {

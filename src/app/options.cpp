@@ -133,9 +133,9 @@ void add_settings(std::vector<OptionSpec>& table) {
               fmt::format("pssmlt: factor on the sizes of small steps, {} to {}; default {}", kMinStepSize,
                           kMaxStepSize, defaults.step_size));
   add_setting("--roulette", "N|off", {IntegratorKind::path, IntegratorKind::pssmlt},
-              fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: "
-                          "{} (path), {} (pssmlt)",
-                          kMaxDepth, kDefaultRouletteEdgePath, kDefaultRouletteEdgePssmlt));
+              fmt::format("first path edge that Russian roulette may end, 1 to {}, or off. Default: {}, or "
+                          "with --integrator auto what its pilot finds better",
+                          kMaxDepth, kDefaultRouletteEdge));
 }
 
 /// Where the render runs; without influence on the image.

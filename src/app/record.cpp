@@ -121,7 +121,7 @@ std::string to_json(const RenderRecord& record) {
   object.add("partial", statistics.partial);
   object.add("integrator", integrator_name(record.job));
   if (record.pilot) {
-    object.add("choice", describe(*record.pilot));
+    object.add("choice", describe(*record.pilot, record.job));
     object.add("pilot_advantage", record.pilot->advantage);
     object.add("pilot_paths", record.pilot->paths);
     object.add("pilot_wall_seconds", record.pilot->wall_seconds);
@@ -134,6 +134,7 @@ std::string to_json(const RenderRecord& record) {
   object.add("chains", std::uint64_t{record.job.chains});
   object.add("bootstrap", record.job.bootstrap);
   object.add("step_size", record.job.step_size);
+  object.add("roulette", std::uint64_t{record.job.roulette});
   object.add("threads", std::uint64_t{record.job.threads});
   object.add("wall_seconds", statistics.wall_seconds);
   object.add("cpu_seconds", statistics.cpu_seconds);
@@ -170,7 +171,7 @@ std::string summary(const RenderRecord& record) {
   const auto add = [&text](const char* name, const std::string& value) {
     text += fmt::format("{:<22}{}\n", name, value);
   };
-  if (record.pilot) add("integrator", describe(*record.pilot));
+  if (record.pilot) add("integrator", describe(*record.pilot, record.job));
   if (record.pilot && record.pilot->paths > 0) {
     add("pilot", fmt::format("{:.3f} s, processors busy {:.3f} s", record.pilot->wall_seconds,
                              record.pilot->cpu_seconds));

@@ -80,7 +80,7 @@ RenderRequest decide(RenderRequest request, const SceneDescription& scene, Rende
   if (request.integrator != IntegratorKind::automatic) return request;
   constexpr double kLeastSeconds = 1e-9;  // no further round, but the first
   record.pilot = run_pilot(scene, request, stop_requested());
-  request.integrator = record.pilot->chosen;
+  request = decided(request, *record.pilot);
   if (request.seconds) {
     request.seconds = std::max(kLeastSeconds, *request.seconds - record.pilot->wall_seconds);
   }
@@ -136,7 +136,7 @@ ExitCode run_info(const InfoCommand& command) {
   std::string text;
   for (const InfoLine& line : renderer.info()) text += fmt::format("{:<32}{}\n", line.name, line.value);
   if (record.pilot) {
-    text += fmt::format("{:<32}{}\n", "choice", describe(*record.pilot));
+    text += fmt::format("{:<32}{}\n", "choice", describe(*record.pilot, job));
     text += fmt::format("{:<32}{:.3f} s, processors busy {:.3f} s\n", "pilot", record.pilot->wall_seconds,
                         record.pilot->cpu_seconds);
   }

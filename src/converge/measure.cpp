@@ -23,13 +23,13 @@ struct Rendered {
 std::optional<Rendered> render_once(const SceneDescription& scene, const RenderRequest& request,
                                     const std::atomic<bool>& stop) {
   Rendered result;
-  RenderRequest decided = request;
+  RenderRequest settled = request;
   PilotFinding pilot;
   if (request.integrator == IntegratorKind::automatic) {
     pilot = run_pilot(scene, request, stop);
-    decided.integrator = pilot.chosen;
+    settled = decided(request, pilot);
   }
-  result.job = resolve_job(decided, scene);
+  result.job = resolve_job(settled, scene);
   Renderer renderer(scene, result.job);
   renderer.prepare();
   result.statistics = renderer.run(stop, nullptr, nullptr);

@@ -106,11 +106,8 @@ void resolve_settings(const MethodRequest& request, RequestChecker& checker, Ren
   job.start = request.start;
   job.mutation = request.mutation;
   // Roulette that could only start behind the longest path would waste a primary sample a vertex.
-  job.roulette = checker.in_range(
-      "--roulette",
-      request.roulette.value_or(request.integrator == IntegratorKind::pssmlt ? kDefaultRouletteEdgePssmlt
-                                                                             : kDefaultRouletteEdgePath),
-      0U, kMaxDepth);
+  job.roulette =
+      checker.in_range("--roulette", request.roulette.value_or(kDefaultRouletteEdge), 0U, kMaxDepth);
   if (job.roulette >= job.depth) job.roulette = 0;
 }
 

@@ -45,7 +45,7 @@ std::size_t own_stride(std::size_t items) {
 
 }  // namespace
 
-JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
+JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job, const JobPlan* host)
     : job(render_job),
       features(find_features(counts, render_job)),
       kernel(kernel_set(render_job.instruction_set).select_kernel(features)),
@@ -53,13 +53,14 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job)
       group_size(std::clamp((job.chains + job.threads - 1) / job.threads, 1U, kernel.lanes)) {
   const std::uint64_t units =
       is_metropolis() ? chain_groups() : std::uint64_t{tile_count(job.width)} * tile_count(job.height);
-  workers = static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
-  slots.world = kernel_set(job.instruction_set).plan_world(memory, counts);
+  workers = host != nullptr ? host->workers
+                            : static_cast<std::uint32_t>(std::min<std::uint64_t>(job.threads, units));
+  if (host == nullptr) slots.world = kernel_set(job.instruction_set).plan_world(memory, counts);
   slots.image = memory.add<Vec3>("image", Lifetime::kScene, pixel_count());
   slots.error_blocks = memory.add<ErrorSums>("error estimate", Lifetime::kScene, pixel_units());
-  slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
+  if (host == nullptr) slots.threads = memory.add<pthread_t>("threads", Lifetime::kScene, workers);
   slots.workers = memory.add<WorkerStorage>("workers", Lifetime::kScene, workers);
-  slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kScene, workers);
+  if (host == nullptr) slots.stacks = memory.add<WorkerStack>("thread stacks", Lifetime::kScene, workers);
   if (is_metropolis()) {
     plan_metropolis();
   } else {

@@ -35,7 +35,8 @@ struct RenderSlots {
 inline constexpr std::uint64_t kPixelsPerUnit = 256;  ///< of summing, development and error estimation
 
 struct JobPlan {
-  JobPlan(const WorldCounts& counts, const RenderJob& render_job);
+  /// With a `host`, what a second job on its compiled scene and by its threads needs besides.
+  JobPlan(const WorldCounts& counts, const RenderJob& render_job, const JobPlan* host = nullptr);
 
   /// Throws ResourceError with what is needed, what --memory allows, and what would fit.
   void require_within_limit(const WorldCounts& counts) const;

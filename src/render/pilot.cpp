@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/assert.hpp"
+#include "base/process_usage.hpp"
 #include "math/rng.hpp"
 #include "render/renderer.hpp"
 
@@ -20,6 +22,7 @@ constexpr double kClearFactor = 2.5;         ///< above or below the threshold, 
 constexpr double kMostPiloted = 0x1p24;      ///< samples of a job; the pilot of a larger one is no larger
 constexpr double kPathSamples = 8;           ///< a pixel, so that some of what stratification gains is seen
 constexpr std::uint64_t kChainLength = 512;  ///< mutations: some hundred large steps, and many chains
+constexpr std::uint64_t kChainGroup = 16;
 constexpr std::uint64_t kBootstrapShare = 8;
 constexpr std::uint64_t kPlannedPerPixel = 64;  ///< of jobs that state none, or end by the clock or an error
 
@@ -58,7 +61,15 @@ RenderJob path_job(const SceneDescription& scene, const RenderRequest& request, 
   pilot.width = static_cast<std::uint32_t>(std::max(1.0, std::floor(width * scale)));
   pilot.height = static_cast<std::uint32_t>(std::max(1.0, std::floor(height * scale)));
   pilot.samples_per_pixel = static_cast<std::uint64_t>(kPathSamples);
-  return resolve_job(pilot, scene);
+  RenderJob job = resolve_job(pilot, scene);
+  job.hash_film = false;
+  return job;
+}
+
+/// About one to kChainLength mutations, as many as fill the lanes of the widest instruction set.
+std::uint32_t pilot_chains(std::uint64_t mutations) {
+  const std::uint64_t groups = (mutations / kChainLength + kChainGroup / 2) / kChainGroup;
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, groups) * kChainGroup);
 }
 
 /// That of chains does: what leaves a small pixel stays in a large one. They keep the job's film, although
@@ -68,29 +79,24 @@ RenderJob chain_job(const SceneDescription& scene, const RenderRequest& request,
   pilot.samples_per_pixel = 1;
   RenderJob job = resolve_job(pilot, scene);
   job.mutations = static_cast<std::uint64_t>(mutations);
-  job.chains = static_cast<std::uint32_t>(job.mutations / kChainLength);
+  job.chains = pilot_chains(job.mutations);
   job.bootstrap = job.mutations / kBootstrapShare;
+  job.hash_film = false;
   return job;
 }
 
-PilotRender render_round(const SceneDescription& scene, const RenderJob& job, const std::atomic<bool>& stop,
-                         PilotFinding& finding) {
-  Renderer renderer(scene, job);
-  renderer.prepare();
+/// Kept at the size of the path tracer's film, at which errors are compared.
+PilotRender render_round(Renderer& renderer, const RenderJob& job, const RenderJob& path_settings,
+                         const std::atomic<bool>& stop, PilotFinding& finding) {
   const RenderStatistics statistics = renderer.run(stop, nullptr, nullptr);
   finding.paths += statistics.samples;
-  finding.wall_seconds += statistics.wall_seconds;
-  finding.cpu_seconds += statistics.cpu_seconds;
   const bool metropolis = job.integrator == IntegratorKind::pssmlt;
   const double pixels = static_cast<double>(job.width) * job.height;
-  const ImageView view = renderer.image();
   PilotRender round;
-  round.image = {view.width, view.height, {view.pixels.begin(), view.pixels.end()}};
-  round.variances = renderer.variances();
+  round.image = reduced_image(renderer.image(), path_settings.width, path_settings.height);
+  round.variances = reduced_image(renderer.variances().view(), path_settings.width, path_settings.height);
   round.per_pixel =
       metropolis ? static_cast<double>(job.mutations) / pixels : static_cast<double>(job.samples_per_pixel);
-  round.paths = static_cast<double>(metropolis ? statistics.mutations : statistics.samples);
-  round.primary_samples = static_cast<double>(statistics.primary_samples);
   round.found_light = !statistics.black && !statistics.partial;
   return round;
 }
@@ -106,8 +112,6 @@ void add_round(PilotRender& mean, const PilotRender& round, std::uint64_t index)
     mean.image.pixels[i] += (round.image.pixels[i] - mean.image.pixels[i]) * share;
     mean.variances.pixels[i] += (round.variances.pixels[i] - mean.variances.pixels[i]) * share;
   }
-  mean.paths += round.paths;
-  mean.primary_samples += round.primary_samples;
   mean.found_light = mean.found_light || round.found_light;
 }
 
@@ -115,47 +119,57 @@ bool is_clear(double advantage) {
   return advantage > kPilotThreshold * kClearFactor || advantage < kPilotThreshold / kClearFactor;
 }
 
-/// All rounds; the comparison after the last is the finding's.
-void compare(const SceneDescription& scene, RenderRequest request, double samples,
+/// Where roulette begins for both integrators, by the path tracer's `late` first round with the default edge
+/// and an `early` one: chains err too rarely for a pilot to see what early roulette costs them.
+void choose_roulette(const PilotRender& late, const PilotRender& early, PilotFinding& finding) {
+  if (!late.found_light || !early.found_light) return;
+  finding.early_roulette_error = pilot_error_ratio(early, late);
+  finding.roulette =
+      finding.early_roulette_error < kEarlyRouletteThreshold ? kEarlyRouletteEdge : kDefaultRouletteEdge;
+}
+
+bool chains_are_better(const PilotFinding& finding) {
+  return finding.outcome == PilotOutcome::only_chains ||
+         (finding.outcome == PilotOutcome::compared && finding.advantage > kPilotThreshold);
+}
+
+/// All rounds; the comparison after the last is the finding's. The scene is compiled once, for the chains.
+void compare(const SceneDescription& scene, const RenderRequest& request, double samples,
              const std::atomic<bool>& stop, PilotFinding& finding) {
+  const RenderJob chain_settings = chain_job(scene, request, samples * kChainShare);
+  const RenderJob path_settings = path_job(scene, request, samples * kPathShare);
+  Renderer chain_renderer(scene, chain_settings);
+  chain_renderer.prepare();
+  Renderer path_renderer(chain_renderer, path_settings);
+  path_renderer.prepare();
   PilotRender path, pssmlt;
+  std::uint64_t seed = request.seed;
+  std::uint32_t roulette = path_settings.roulette;
   for (std::uint64_t round = 0; round < kMostRounds && !stop; ++round) {
-    request.seed = mix64(request.seed + 0x9e3779b97f4a7c15ULL);
-    add_round(path, render_round(scene, path_job(scene, request, samples * kPathShare), stop, finding),
-              round);
-    add_round(pssmlt, render_round(scene, chain_job(scene, request, samples * kChainShare), stop, finding),
-              round);
+    seed = mix64(seed + 0x9e3779b97f4a7c15ULL);
+    path_renderer.restart(seed, roulette);
+    PilotRender path_round = render_round(path_renderer, path_settings, path_settings, stop, finding);
+    if (round == 0 && roulette > 0 && !request.roulette) {
+      path_renderer.restart(seed, kEarlyRouletteEdge);
+      PilotRender early = render_round(path_renderer, path_settings, path_settings, stop, finding);
+      choose_roulette(path_round, early, finding);
+      roulette = finding.roulette.value_or(roulette);
+      if (roulette == kEarlyRouletteEdge) path_round = std::move(early);
+    }
+    chain_renderer.restart(seed, roulette);
+    add_round(path, path_round, round);
+    add_round(pssmlt, render_round(chain_renderer, chain_settings, path_settings, stop, finding), round);
     if (!path.found_light || !pssmlt.found_light) continue;
     finding.advantage = pilot_advantage(path, pssmlt);
     finding.outcome = PilotOutcome::compared;
     if (is_clear(finding.advantage)) break;
   }
   if (!path.found_light && pssmlt.found_light) finding.outcome = PilotOutcome::only_chains;
+  if (!stop && chains_are_better(finding)) finding.chosen = IntegratorKind::pssmlt;
 }
 
-}  // namespace
-
-PilotFinding run_pilot(const SceneDescription& scene, const RenderRequest& request,
-                       const std::atomic<bool>& stop) {
-  MLT_CHECK(request.integrator == IntegratorKind::automatic);
-  PilotFinding finding;
-  const double pixels = static_cast<double>(request.width.value_or(scene.film_width)) *
-                        request.height.value_or(scene.film_height);
-  const double samples = pixels * planned_per_pixel(request);
-  if (samples < static_cast<double>(kLeastPiloted)) {
-    finding.outcome = PilotOutcome::too_small;
-  } else if (samples > static_cast<double>(kMaxMutations)) {
-    finding.outcome = PilotOutcome::too_large;
-  } else {
-    compare(scene, request, std::min(samples, kMostPiloted), stop, finding);
-  }
-  const bool better = finding.outcome == PilotOutcome::compared && finding.advantage > kPilotThreshold;
-  if (!stop && (better || finding.outcome == PilotOutcome::only_chains))
-    finding.chosen = IntegratorKind::pssmlt;
-  return finding;
-}
-
-std::string describe(const PilotFinding& finding) {
+/// What was found of the integrators.
+std::string describe_choice(const PilotFinding& finding) {
   switch (finding.outcome) {
     case PilotOutcome::too_small:
       return fmt::format("path: no pilot for a job of fewer than {} samples", kLeastPiloted);
@@ -176,6 +190,49 @@ std::string describe(const PilotFinding& finding) {
       "{}: in a pilot of {} paths pssmlt needed {:.2g} times path's work for the same error; below {:.2g} it "
       "is taken",
       chosen, finding.paths, 1.0 / finding.advantage, 1.0 / kPilotThreshold);
+}
+
+}  // namespace
+
+PilotFinding run_pilot(const SceneDescription& scene, const RenderRequest& request,
+                       const std::atomic<bool>& stop) {
+  MLT_CHECK(request.integrator == IntegratorKind::automatic);
+  const ProcessUsage begin = ProcessUsage::now();
+  PilotFinding finding;
+  const double pixels = static_cast<double>(request.width.value_or(scene.film_width)) *
+                        request.height.value_or(scene.film_height);
+  const double samples = pixels * planned_per_pixel(request);
+  if (samples < static_cast<double>(kLeastPiloted)) {
+    finding.outcome = PilotOutcome::too_small;
+  } else if (samples > static_cast<double>(kMaxMutations)) {
+    finding.outcome = PilotOutcome::too_large;
+  } else {
+    compare(scene, request, std::min(samples, kMostPiloted), stop, finding);
+  }
+  const ProcessUsage end = ProcessUsage::now();
+  finding.wall_seconds = end.wall - begin.wall;
+  finding.cpu_seconds = end.cpu - begin.cpu;
+  return finding;
+}
+
+RenderRequest decided(RenderRequest request, const PilotFinding& finding) {
+  request.integrator = finding.chosen;
+  if (finding.roulette) request.roulette = finding.roulette;
+  return request;
+}
+
+std::string describe(const PilotFinding& finding, const RenderJob& job) {
+  std::string text = describe_choice(finding);
+  if (finding.chosen == IntegratorKind::pssmlt) {
+    text +=
+        fmt::format("; {} chains and a bootstrap of {} paths, by the job's size", job.chains, job.bootstrap);
+  }
+  if (finding.roulette) {
+    text += fmt::format(
+        "; roulette from edge {}: path's error from edge {} was {:.2g} times that from edge {}",
+        *finding.roulette, kEarlyRouletteEdge, finding.early_roulette_error, kDefaultRouletteEdge);
+  }
+  return text;
 }
 
 }  // namespace mlt

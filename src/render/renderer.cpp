@@ -1,10 +1,8 @@
 #include "render/renderer.hpp"
 
-#include <sys/resource.h>
-#include <time.h>
-
 #include <algorithm>
 
+#include "base/process_usage.hpp"
 #include "base/render_zone.hpp"
 #include "job_plan.hpp"
 #include "render/film_hash.hpp"
@@ -17,37 +15,11 @@
 namespace mlt {
 namespace {
 
-double seconds_of(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-double monotonic_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 void add_defects(RenderStatistics& statistics, const DefectCounts& defects) {
   statistics.rejected_nan += defects.nan;
   statistics.rejected_infinite += defects.infinite;
   statistics.rejected_negative += defects.negative;
 }
-
-/// What the process had used of processor time and faults at one moment, over all threads.
-struct Usage {
-  double wall = monotonic_seconds();
-  double cpu = 0;
-  std::uint64_t minor_faults = 0;
-
-  static Usage now() {
-    Usage usage;
-    rusage own{};
-    ::getrusage(RUSAGE_SELF, &own);
-    usage.cpu = seconds_of(own.ru_utime) + seconds_of(own.ru_stime);
-    usage.minor_faults = static_cast<std::uint64_t>(own.ru_minflt);
-    return usage;
-  }
-};
 
 /// Code that the job does not run, and of which nothing need be in memory.
 std::vector<CodeRange> code_of_other_sets(InstructionSet used) {
@@ -65,7 +37,16 @@ struct EstimateContext;
 
 struct Renderer::State {
   State(const SceneDescription& description, const RenderJob& job)
-      : scene(description), counts(count_world(description)), plan(counts, job) {
+      : scene(description), counts(count_world(description)), plan(counts, job), pool(own_pool) {
+    plan.require_within_limit(counts);
+  }
+
+  State(State& other, const RenderJob& job)
+      : scene(other.scene),
+        counts(other.counts),
+        plan(counts, job, &other.plan),
+        host(&other),
+        pool(other.pool) {
     plan.require_within_limit(counts);
   }
 
@@ -79,15 +60,18 @@ struct Renderer::State {
   EstimateContext error_context() const;
   void estimate();
   static void report_progress(void* state);
+  void compile();
 
   const SceneDescription& scene;
   WorldCounts counts;
   JobPlan plan;
+  const State* host = nullptr;  ///< of a guest
 
   std::unique_ptr<Arena> arena;
   World world;
   RenderStorage storage;
-  WorkerPool pool;  // after the arena, whose stacks its threads run on until they are joined
+  WorkerPool own_pool;  // after the arena, whose stacks its threads run on until they are joined
+  WorkerPool& pool;     ///< the host's, of a guest
 
   // One run
   const std::atomic<bool>* stop = nullptr;
@@ -279,6 +263,12 @@ void Renderer::State::estimate() {
 Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)
     : state_(std::make_unique<State>(scene, job)) {}
 
+Renderer::Renderer(const Renderer& host, const RenderJob& job)
+    : state_(std::make_unique<State>(*host.state_, job)) {
+  MLT_CHECK(host.state_->arena != nullptr && host.state_->host == nullptr);
+  MLT_CHECK(host.state_->plan.job.instruction_set == job.instruction_set);
+}
+
 Renderer::~Renderer() = default;
 
 const MemoryPlan& Renderer::memory_plan() const {
@@ -293,17 +283,39 @@ std::vector<InfoLine> Renderer::info() const {
   return lines;
 }
 
+void Renderer::State::compile() {
+  if (host == nullptr) {
+    prefault_process(code_of_other_sets(plan.job.instruction_set));
+    pool.start(arena->take(plan.slots.stacks), arena->take(plan.slots.threads));
+    world = kernel_set(plan.job.instruction_set)
+                .compile_world(scene, counts, plan.job.width, plan.job.height, *arena, plan.slots.world,
+                               pool.runner());
+  } else {
+    world = host->world;
+    world.camera = host->world.camera.resized(plan.job.width, plan.job.height);
+  }
+  storage.world = &world;
+}
+
 void Renderer::prepare() {
   State& state = *state_;
-  const JobPlan& plan = state.plan;
-  state.arena = std::make_unique<Arena>(plan.memory);
-  prefault_process(code_of_other_sets(plan.job.instruction_set));
-  state.pool.start(state.arena->take(plan.slots.stacks), state.arena->take(plan.slots.threads));
-  state.world = kernel_set(plan.job.instruction_set)
-                    .compile_world(state.scene, state.counts, plan.job.width, plan.job.height, *state.arena,
-                                   plan.slots.world, state.pool.runner());
-  state.storage.world = &state.world;
-  plan.take_storage(*state.arena, state.storage);
+  state.arena = std::make_unique<Arena>(state.plan.memory);
+  state.compile();
+  state.plan.take_storage(*state.arena, state.storage);
+}
+
+void Renderer::restart(std::uint64_t seed, std::uint32_t roulette) {
+  State& state = *state_;
+  MLT_CHECK(state.arena != nullptr && (roulette == 0) == (state.plan.job.roulette == 0));
+  state.plan.job.seed = seed;
+  state.plan.job.roulette = roulette;
+  state.plan.take_storage(*state.arena, state.storage);
+  state.storage.bootstrap_moments = {};
+  state.storage.round = 0;
+  state.storage.left_early = false;
+  state.storage.done = 0;
+  state.statistics = {};
+  state.normalisation = {};
 }
 
 RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback progress, void* context) {
@@ -314,7 +326,7 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
   state.progress_context = context;
   prefault_stack(std::size_t{64} << 10);
 
-  const Usage begin = Usage::now();
+  const ProcessUsage begin = ProcessUsage::now();
   state.begin_seconds = begin.wall;
   enter_render_zone();
   if (state.counts.lights == 0) {
@@ -325,15 +337,17 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
     state.render_path();
   }
   leave_render_zone();
-  const Usage end = Usage::now();
+  const ProcessUsage end = ProcessUsage::now();
 
   state.statistics.wall_seconds = end.wall - begin.wall;
   state.statistics.cpu_seconds = end.cpu - begin.cpu;
   state.statistics.minor_faults = end.minor_faults - begin.minor_faults;
-  state.statistics.film_hash =
-      state.plan.is_metropolis()
-          ? hash_metropolis_film(state.storage, state.normalisation)
-          : hash_path_film(state.storage, std::max<std::uint64_t>(state.statistics.rounds, 1));
+  if (state.plan.job.hash_film) {
+    state.statistics.film_hash =
+        state.plan.is_metropolis()
+            ? hash_metropolis_film(state.storage, state.normalisation)
+            : hash_path_film(state.storage, std::max<std::uint64_t>(state.statistics.rounds, 1));
+  }
   return state.statistics;
 }
 

@@ -36,9 +36,9 @@ TEST_CASE("the image of auto is that of the command it names, which needs no pil
   CHECK_THAT(chosen.error, !Catch::Contains("has no effect"));
   CHECK_THAT(value_of(chosen.error, "\npilot"), Catch::Contains(" s, processors busy "));
   const std::string statistics = read_text(folder / "a.json");
-  for (const char* part :
-       {"\"choice\": \"path: in a pilot of", "\"pilot_advantage\": 0.", "\"pilot_paths\": ",
-        "\"pilot_cpu_seconds\": ", "\"pilot_wall_seconds\": ", "\"integrator\": \"path\""}) {
+  for (const char* part : {"\"choice\": \"path: in a pilot of", "\"pilot_advantage\": 0.",
+                           "\"pilot_paths\": ", "\"pilot_cpu_seconds\": ", "\"pilot_wall_seconds\": ",
+                           "\"integrator\": \"path\"", "\"roulette\": 0"}) {
     CHECK_THAT(statistics, Catch::Contains(part));
   }
   const std::string command = value_of(chosen.error, "same image by");
