@@ -61,10 +61,11 @@ endif
 
 sources   = $(wildcard src/$(1)/*.cpp)
 objects   = $(patsubst %.cpp,$(OUT)/%.o,$(1))
-# Stage $(1) and all before it.
+# Stage $(1) and all before it that it may need: renders need nothing of images, nor their libraries.
 upto      = $(if $(1),$(eval _found :=)$(foreach s,$(STAGES),$(if $(_found),,$(s)$(if $(filter $(1),$(s)),$(eval _found := 1)))))
 MAIN      := src/app/main.cpp
-stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(call upto,$(1)),$(call sources,$(s))))) \
+stage_objects = $(call objects,$(filter-out $(MAIN),$(foreach s,$(filter-out $(if $(filter \
+                  render,$(1)),image),$(call upto,$(1))),$(call sources,$(s))))) \
                 $(if $(filter render,$(call upto,$(1))),$(KERNEL_SETS))
 
 # Instruction sets beyond the variant's own (include/render/kernel_set.hpp). Sanitizers and link-time

@@ -3,7 +3,6 @@
 // alone.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "integrator/path.hpp"
@@ -51,6 +50,7 @@ class PathBatch {
 
   void begin(Sampler& sampler, std::uint32_t x, std::uint32_t y, std::uint32_t first, std::uint32_t count,
              std::uint64_t sequence) {
+    active_count_ = count;
     group_count_ = (count + kWidth - 1) / kWidth;
     for (std::uint32_t g = 0; g < group_count_; ++g) {
       sampler.start(x, y, first + g * kWidth, sequence);
@@ -66,6 +66,7 @@ class PathBatch {
     group.position = sampler.position();
     const UintOf<F> dimensions = sampler.dimension();
     for_lanes(M(before & not_in(group.paths.active)), [&](int lane) {
+      --active_count_;
       ended_[lane_of(group.position.slots, lane)] = {
           {lane_of(group.paths.pixel, lane), lane_of(group.paths.radiance, lane)}, lane_of(dimensions, lane)};
     });
@@ -73,11 +74,8 @@ class PathBatch {
 
   /// Empties the last group as long as the others have room for its paths.
   void gather() {
-    std::uint32_t active = 0;
-    for (std::uint32_t g = 0; g < group_count_; ++g)
-      active += static_cast<std::uint32_t>(std::popcount(lanes_of(groups_[g].paths.active)));
     std::uint32_t to = 0;
-    while (group_count_ > 0 && active <= (group_count_ - 1) * kWidth) {
+    while (group_count_ > 0 && active_count_ <= (group_count_ - 1) * kWidth) {
       Group& last = groups_[--group_count_];
       for_lanes(M(last.paths.active), [&](int lane) {
         while (all(groups_[to].paths.active)) ++to;
@@ -90,6 +88,7 @@ class PathBatch {
   }
 
   const Integrator& integrator_;
+  std::uint32_t active_count_ = 0;  ///< paths that go on
   std::uint32_t group_count_ = 0;
   Group groups_[kGroups];
   Ended ended_[kCapacity];

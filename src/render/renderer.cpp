@@ -310,7 +310,7 @@ void Renderer::restart(std::uint64_t seed, std::uint32_t roulette) {
   state.plan.job.seed = seed;
   state.plan.job.roulette = roulette;
   state.plan.take_storage(*state.arena, state.storage);
-  state.storage.bootstrap_moments = {};
+  state.storage.bootstrap_luminance = {};
   state.storage.round = 0;
   state.storage.left_early = false;
   state.storage.done = 0;

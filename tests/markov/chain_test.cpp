@@ -125,6 +125,7 @@ struct SplatLog {
     double metropolis_weight, uniform_weight;
   };
   std::vector<Entry> entries;
+  void prefetch(std::uint32_t) const {}
   void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight, double uniform_weight) {
     entries.push_back({pixel, value, metropolis_weight, uniform_weight});
   }
