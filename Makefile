@@ -40,12 +40,14 @@ CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
 # One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
 CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g1 -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
-            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR) $(if $(findstring /kernel_group_,$@),$(KERNEL_INLINING))
+            -Itests $(if $(EXR),-DMLT_HAS_OPENEXR) $(UNOPTIMISED) $(if $(findstring /kernel_group_,$@),$(KERNEL_INLINING))
 # g++ limits how far inlining lets a source grow. With the default of 40 % a kernel's code would depend on what else
 # its source holds, and a plain scene pay 3 % for features of others (tools/feature_cost.sh).
 # What is precompiled would bring its own limit along.
 KERNEL_INLINING := $(if $(findstring clang,$(CXX)),,--param inline-unit-growth=400)
 LDFLAGS  := $(OPT) $(EXTRA) $(LINK) -Wl,-z,now -pthread
+# For include/render/worker_pool.hpp: a pragma in what is precompiled of fmt leaves __OPTIMIZE__ defined.
+UNOPTIMISED = $(if $(findstring -O0,$(OPT) $(EXTRA)),-DMLT_LARGE_STACKS=1)
 # OpenEXR is asked for by EXR=yes or the variant `exr`: its libraries would take 1.2 of the 16 MB of a small job.
 EXR      ?=
 IMAGE_LIBS := -lpng $(if $(EXR),-lOpenEXR -lIex)

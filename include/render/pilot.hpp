@@ -1,6 +1,6 @@
 // Which integrator suits a scene, a size of picture and an amount of work, and in deep scenes where its
 // roulette should begin. A pilot renders a few per cent of the job by each of them and compares the errors
-// that they would make with the same work. Work is counted in paths, not in seconds, and the
+// that they would make with the same work. Work is counted in primary samples, not in seconds, and the
 // pilot's size follows from the request, so that the choice is the same on every machine. Its paths have
 // random numbers of their own and are thrown away: kept, they would bias the image, for what they found
 // decided whether they are kept.
@@ -27,8 +27,10 @@ inline constexpr double kPilotThreshold = 1.2;
 /// What one integrator's pilot showed, as the mean over rounds of equal size.
 struct PilotRender {
   ImageBuffer image;
-  ImageBuffer variances;  ///< of the image's channels in one round, each from one difference a round
-  double per_pixel = 0;   ///< samples or mutations of one round
+  ImageBuffer variances;       ///< of the image's channels in one round, each from one difference a round
+  double per_pixel = 0;        ///< samples or mutations of one round
+  double paths = 0;            ///< of all rounds
+  double primary_samples = 0;  ///< that these paths asked for
   bool found_light = false;
 };
 

@@ -27,11 +27,13 @@ struct Phase {
   bool stoppable = false;  ///< whether the stop flag ends it between units
 };
 
-#if defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
+#ifndef MLT_LARGE_STACKS
+#if defined(__SANITIZE_THREAD__)
 #define MLT_LARGE_STACKS 1
 #elif defined(__has_feature)
 #if __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
 #define MLT_LARGE_STACKS 1
+#endif
 #endif
 #endif
 #ifndef MLT_LARGE_STACKS
@@ -39,8 +41,8 @@ struct Phase {
 #endif
 
 /// A worker's stack. Deep enough for the larger frames of sanitizers; those that keep their own data for each
-/// thread on its stack refuse to start one with less than about a megabyte, and without optimisation every
-/// value in lanes has a place of its own.
+/// thread on its stack refuse to start one with less than about a megabyte. Without optimisation, for which
+/// the Makefile asks for large ones, every value in lanes has a place of its own.
 struct alignas(64) WorkerStack {
   static constexpr std::size_t kBytes = MLT_LARGE_STACKS ? std::size_t{2} << 20 : std::size_t{256} << 10;
   std::byte bytes[kBytes];

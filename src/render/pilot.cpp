@@ -97,6 +97,8 @@ PilotRender render_round(Renderer& renderer, const RenderJob& job, const RenderJ
   round.variances = reduced_image(renderer.variances().view(), path_settings.width, path_settings.height);
   round.per_pixel =
       metropolis ? static_cast<double>(job.mutations) / pixels : static_cast<double>(job.samples_per_pixel);
+  round.paths = static_cast<double>(metropolis ? statistics.mutations : statistics.samples);
+  round.primary_samples = static_cast<double>(statistics.primary_samples);
   round.found_light = !statistics.black && !statistics.partial;
   return round;
 }
@@ -112,6 +114,8 @@ void add_round(PilotRender& mean, const PilotRender& round, std::uint64_t index)
     mean.image.pixels[i] += (round.image.pixels[i] - mean.image.pixels[i]) * share;
     mean.variances.pixels[i] += (round.variances.pixels[i] - mean.variances.pixels[i]) * share;
   }
+  mean.paths += round.paths;
+  mean.primary_samples += round.primary_samples;
   mean.found_light = mean.found_light || round.found_light;
 }
 

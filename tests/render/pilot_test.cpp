@@ -17,8 +17,14 @@ ImageBuffer constant(std::uint32_t width, std::uint32_t height, float value) {
 }
 
 /// A picture of one radiance and one variance everywhere.
-PilotRender flat(std::uint32_t side, float radiance, float variance, double per_pixel) {
-  return {constant(side, side, radiance), constant(side, side, variance), per_pixel, true};
+PilotRender flat(std::uint32_t side, float radiance, float variance, double per_pixel,
+                 double primary_samples) {
+  return {constant(side, side, radiance),
+          constant(side, side, variance),
+          per_pixel,
+          10,
+          10 * primary_samples,
+          true};
 }
 
 /// `integrator` is left to the pilot.
@@ -44,35 +50,37 @@ std::string line(const SceneDescription& scene, const RenderRequest& request, co
 }  // namespace
 
 TEST_CASE("the advantage is the quotient of variance times work") {
-  // Of independent samples: relative variance times samples a pixel; 1.2 is the measured cost of a mutation.
-  // Values are read back from floats.
-  const PilotRender path = flat(20, 2, 0.5f, 8);
-  const PilotRender chains = flat(60, 2, 0.25f, 4);
-  const double expected = (0.5 * 8) / (0.25 * 4 * 1.2);
+  // Of independent samples: relative variance times samples a pixel times primary samples a path, of which
+  // one takes PSSMLT 1.2 times as long. Values are read back from floats.
+  const PilotRender path = flat(20, 2, 0.5f, 8, 30);
+  const PilotRender chains = flat(60, 2, 0.25f, 4, 20);
+  const double expected = (0.5 * 8 * 30) / (0.25 * 4 * 20 * 1.2);
   CHECK(pilot_advantage(path, chains) == Approx(expected).epsilon(1e-12));
   // Sides that are no multiples of each other: every pixel still counts, in means.
-  CHECK(pilot_advantage(flat(7, 2, 0.5f, 8), flat(60, 2, 0.25f, 4)) == Approx(expected).epsilon(1e-12));
-  CHECK(pilot_advantage(flat(1, 2, 0.5f, 8), flat(3, 2, 0.25f, 4)) == Approx(expected).epsilon(1e-12));
+  CHECK(pilot_advantage(flat(7, 2, 0.5f, 8, 30), flat(60, 2, 0.25f, 4, 20)) ==
+        Approx(expected).epsilon(1e-12));
+  CHECK(pilot_advantage(flat(1, 2, 0.5f, 8, 30), flat(3, 2, 0.25f, 4, 20)) ==
+        Approx(expected).epsilon(1e-12));
   // Four times the error of one.
-  CHECK(pilot_advantage(flat(20, 2, 2, 8), chains) == Approx(4 * expected).epsilon(1e-12));
-  CHECK(pilot_advantage(path, flat(60, 2, 1, 4)) == Approx(expected / 4).epsilon(1e-12));
+  CHECK(pilot_advantage(flat(20, 2, 2, 8, 30), chains) == Approx(4 * expected).epsilon(1e-12));
+  CHECK(pilot_advantage(path, flat(60, 2, 1, 4, 20)) == Approx(expected / 4).epsilon(1e-12));
   // No noise to get rid of.
-  CHECK(pilot_advantage(flat(20, 2, 0, 8), chains) == 0.0);
+  CHECK(pilot_advantage(flat(20, 2, 0, 8, 30), chains) == 0.0);
 }
 
 TEST_CASE("errors of two settings are compared after the same number of paths") {
-  CHECK(pilot_error_ratio(flat(20, 2, 0.5f, 8), flat(20, 2, 0.25f, 8)) == Approx(2).epsilon(1e-12));
+  CHECK(pilot_error_ratio(flat(20, 2, 0.5f, 8, 30), flat(20, 2, 0.25f, 8, 60)) == Approx(2).epsilon(1e-12));
   // Neither makes any: nothing speaks for one of them.
-  CHECK(pilot_error_ratio(flat(20, 2, 0, 8), flat(20, 2, 0, 8)) == 1.0);
+  CHECK(pilot_error_ratio(flat(20, 2, 0, 8, 30), flat(20, 2, 0, 8, 60)) == 1.0);
 }
 
 TEST_CASE("both errors are relative to one radiance, and a small lamp to its own") {
   // Were each divided by its own picture, twice the radiance would be a quarter of the error.
-  const double even = pilot_advantage(flat(40, 1, 1, 1), flat(40, 1, 1, 1));
-  CHECK(pilot_advantage(flat(40, 0.5f, 1, 1), flat(40, 1.5f, 1, 1)) == Approx(even).epsilon(1e-12));
+  const double even = pilot_advantage(flat(40, 1, 1, 1, 1), flat(40, 1, 1, 1, 1));
+  CHECK(pilot_advantage(flat(40, 0.5f, 1, 1, 1), flat(40, 1.5f, 1, 1, 1)) == Approx(even).epsilon(1e-12));
   // Lamps of one pixel each, 1e4 times as bright as all else, with as much relative noise in the path
   // tracer's picture: ten pixels of 3600 more, and not 1e8 times ten.
-  PilotRender path = flat(60, 1, 1, 1), chains = path;
+  PilotRender path = flat(60, 1, 1, 1, 1), chains = path;
   const auto place = [](ImageBuffer& image, std::size_t count, float value) {
     for (std::size_t i = 0; i < count; ++i) image.pixels[620 + 250 * i] = Vec3{value, value, value};
   };
@@ -86,7 +94,7 @@ TEST_CASE("both errors are relative to one radiance, and a small lamp to its own
   place(chains.image, 10, 1);
   CHECK(pilot_advantage(path, chains) > 10 * lamps);
   // A single one is left out, one in 2000 of all values, and hardly moves anything.
-  PilotRender lucky = flat(60, 1, 1, 1);
+  PilotRender lucky = flat(60, 1, 1, 1, 1);
   const PilotRender calm = lucky;
   place(lucky.image, 1, 1e4f);
   place(lucky.variances, 1, 1e8f);
