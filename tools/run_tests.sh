@@ -87,7 +87,18 @@ for name in "${names[@]}"; do
     $((centiseconds / 100)) $((centiseconds % 100))
 done
 echo "Slowest test cases:"
-grep -hE '^[0-9]+\.[0-9]+ s: ' "$log"/test_*.txt | sort -rn | head -5 | sed 's/^/  /'
+grep -ahE '^[0-9]+\.[0-9]+ s: ' "$log"/test_*.txt | sort -rn | head -5 | sed 's/^/  /'
+# Once more, at the end, where the shortest excerpt of this output still has them: what failed, and how.
+if [ "$total_failed" -ne 0 ]; then
+  echo "Failed:"
+  for name in "${names[@]}"; do
+    awk -v name="$name" '
+      /^-+$/ { rule = NR }
+      NR == rule + 1 && !/^tests\// { title = $0 }
+      /: FAILED:$/ || /^FAIL/ { print "  " name ": " title ": " $0; shown = 4; next }
+      shown > 0 && NF { print "    " $0; --shown }' "$log/$name.txt" | head -n 40
+  done
+fi
 echo
 echo "$total_passed passed, $total_failed failed"
 [ "$total_failed" -eq 0 ]

@@ -16,9 +16,10 @@ namespace {
 constexpr std::uint64_t kDefaultSamplesPerPixel = 64;
 constexpr std::uint64_t kDefaultMutationsPerPixel = 100;
 constexpr std::uint32_t kDefaultChains = 256;
-constexpr std::uint64_t kMinDefaultChainLength = 256;  ///< mutations
-constexpr std::uint64_t kMinDefaultBootstrap = 16384;  ///< paths
-constexpr std::uint64_t kBootstrapShare = 10;          ///< a tenth of the mutations
+constexpr std::uint64_t kMinDefaultChainLength = 256;    ///< mutations
+constexpr std::uint64_t kMinDefaultBootstrap = 16384;    ///< paths
+constexpr std::uint64_t kMaxDefaultBootstrap = 1 << 20;  ///< paths: beyond, large steps tell b better
+constexpr std::uint64_t kBootstrapShare = 10;            ///< a tenth of the mutations
 
 /// Collects what is wrong with a request, so that all of it is reported at once.
 class RequestChecker {
@@ -152,10 +153,11 @@ RenderJob resolve_job(const RenderRequest& request, const SceneDescription& scen
     const std::uint64_t fitting = std::max<std::uint64_t>(1, mutations / kMinDefaultChainLength);
     const auto default_chains = static_cast<std::uint32_t>(std::min<std::uint64_t>(kDefaultChains, fitting));
     job.chains = checker.in_range("--chains", request.chains.value_or(default_chains), 1U, kMaxChains);
-    job.bootstrap = checker.in_range(
-        "--bootstrap",
-        request.bootstrap.value_or(std::max(kMinDefaultBootstrap, mutations / kBootstrapShare)),
-        std::uint64_t{1}, kMaxBootstrap);
+    job.bootstrap =
+        checker.in_range("--bootstrap",
+                         request.bootstrap.value_or(std::clamp(mutations / kBootstrapShare,
+                                                               kMinDefaultBootstrap, kMaxDefaultBootstrap)),
+                         std::uint64_t{1}, kMaxBootstrap);
     checker.check(job.chains > 1 || !request.target_error, "--target-error", "a job of one chain",
                   "at least two chains, whose difference tells the error");
     checker.check(job.chains <= mutations, "--chains", std::to_string(job.chains),

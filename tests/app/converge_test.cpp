@@ -234,7 +234,7 @@ TEST_CASE("report refuses what it cannot read or write") {
 
 TEST_CASE("a converge that is interrupted writes complete replicates or nothing") {
   const SceneFolder folder;
-  const pid_t process = start_mlt(converge({"--budgets", "100000", "--replicates", "2", "-o", "results"}),
+  const pid_t process = start_mlt(converge({"--budgets", "1000000", "--replicates", "2", "-o", "results"}),
                                   folder.path().string());
   REQUIRE(wait_until_caught(process, SIGTERM));
   ::kill(process, SIGTERM);

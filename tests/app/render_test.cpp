@@ -185,7 +185,7 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
   // Jobs of an hour or so, in chains and pixel blocks of a fraction of a second.
   const Row rows[] = {
       {SIGINT, {"--mutations", "30000000", "--chains", "1000000", "--bootstrap", "1000"}},
-      {SIGTERM, {"--integrator", "path", "--spp", "100", "--width", "2048", "--height", "2048"}},
+      {SIGTERM, {"--integrator", "path", "--spp", "10000", "--width", "2048", "--height", "2048"}},
   };
   for (const Row& row : rows) {
     std::vector<std::string> words{"render", "scene.txt", "--threads", "2",       "-o",
@@ -205,12 +205,15 @@ TEST_CASE("an interrupted render writes what it has, marked partial, and exits w
 
 TEST_CASE("a film of 256 x 256 pixels and four threads take less than 16 MB in all") {
   const SceneFolder folder;
-  const ProgramResult result =
-      folder.run({"render", "scene.txt", "--integrator", "pssmlt", "--width", "256", "--height", "256",
-                  "--threads", "4", "--mutations", "1", "--stats", "a.json", "-o", "a.png"});
+  const ProgramResult result = folder.run({"render", "scene.txt", "--integrator", "pssmlt", "--width", "256",
+                                           "--height", "256", "--threads", "4", "--mutations", "1",
+                                           "--bootstrap", "1048576", "--stats", "a.json", "-o", "a.png"});
   REQUIRE(result.code == code_of(ExitCode::kOk));
-  const std::size_t peak = std::stoull(read_statistics(folder / "a.json").at("peak_memory_bytes"));
-  if (MLT_FAULTS_ARE_OURS) CHECK(peak < 15'700'000);  // a bootstrap of 655,360 paths would add 0.25 MB
+  const auto statistics = read_statistics(folder / "a.json");
+  // The arena with the largest bootstrap that is taken unasked, and 9 MB of program and libraries: how
+  // much of their files is resident differs by a megabyte between kernels, which count pages in batches.
+  CHECK(std::stoull(statistics.at("planned_memory_bytes")) < 7'200'000);
+  if (MLT_FAULTS_ARE_OURS) CHECK(std::stoull(statistics.at("peak_memory_bytes")) < 16 << 20);
 }
 
 TEST_CASE("info prints what was read, features, and the plan with its total") {
