@@ -33,9 +33,11 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "geometry/quad_block.hpp"
 #include "geometry/shapes.hpp"
+#include "math/gather.hpp"
 #include "math/wide.hpp"
 
 namespace mlt {
@@ -51,6 +53,9 @@ struct alignas(64) FlatBlock {
   LaneUint primitive;
   std::uint32_t axis;  ///< k
   std::uint32_t used;  ///< lanes
+  /// So many of the first lanes have n_i = n_j = 0: rays cross their planes at distances that share a
+  /// division.
+  std::uint32_t aligned;
 };
 
 /// A polygon with its box.
@@ -68,10 +73,45 @@ inline constexpr std::int32_t kFlatSlots = kFlatBlocks * kLanes;
 /// So many polygons fit, however they are spread over axes.
 inline constexpr std::uint32_t kFlatPolygons = (kFlatBlocks - 2) * kLanes;
 
+inline constexpr std::uint32_t kTableSlots = 64;
+inline constexpr std::uint32_t kRowsOfPolygon = 6;  ///< of four floats each
+
+/// The polygons of the first slots in columns, for registers that are tables (gather.hpp). Lists are built by
+/// the same code for all sets of instructions with as many lanes, so that all of these have them.
+template <bool kUsed>
+struct PolygonColumns {
+  alignas(64) float floats[kRowsOfPolygon * 4][kTableSlots];
+
+  void set(std::uint32_t slot, const FlatPolygon& polygon) {
+    float values[kRowsOfPolygon * 4];
+    static_assert(sizeof(values) <= sizeof(FlatPolygon));
+    std::memcpy(values, &polygon, sizeof(values));
+    for (std::uint32_t i = 0; slot < kTableSlots && i < kRowsOfPolygon * 4; ++i) floats[i][slot] = values[i];
+  }
+  /// Row `index` of the polygon in slot[i], for lane i.
+  template <class F>
+  MLT_INLINE Rows<F> row(std::uint32_t index, const UintOf<F>& slot, bool beyond_32) const {
+    const auto* const table = floats + 4 * index;
+    return {{table_entries<F>(table[0], slot, beyond_32), table_entries<F>(table[1], slot, beyond_32),
+             table_entries<F>(table[2], slot, beyond_32), table_entries<F>(table[3], slot, beyond_32)}};
+  }
+};
+template <>
+struct PolygonColumns<false> {
+  void set(std::uint32_t, const FlatPolygon&) {}
+  template <class F>
+  Rows<F> row(std::uint32_t, const UintOf<F>&, bool) const {
+    return {};
+  }
+};
+
 struct FlatList {
   FlatBlock blocks[kFlatBlocks];
   FlatPolygon polygons[kFlatSlots];
+  [[no_unique_address]] PolygonColumns<kLanes == 8> columns;
   std::uint32_t block_count;
+
+  std::uint32_t slot_count() const { return block_count * kLanes; }
 };
 
 /// Fills `list`, which lies in zeroed memory, by those polygons of `quads` that have an area.
@@ -81,7 +121,9 @@ class FlatListBuilder {
   FlatListBuilder(FlatList& list, std::uint32_t first_slot, float extent);
   /// The block axis of a quad.
   static int axis_of(const Quad& quad);
-  /// In order of axes; kFlatPolygons at most.
+  /// Whether the quad is aligned, in its block.
+  static bool is_aligned(const Quad& quad);
+  /// In order of axes, for each the aligned quads first; kFlatPolygons at most.
   void add(int axis, const Quad& quad, const FlatPolygon& polygon);
   void finish();
 
@@ -103,6 +145,17 @@ struct FlatRayOf {
       : origin{ray.origin.x, ray.origin.y, ray.origin.z, ray.origin.x, ray.origin.y},
         direction{ray.direction.x, ray.direction.y, ray.direction.z, ray.direction.x, ray.direction.y},
         error((distance + extent) * (0x1p-19f * larger(longest, broadcast_to<F>(1.0f)))) {}
+};
+
+/// A ray in the order of a block's axes, k, i, j.
+template <class F>
+struct FlatAxes {
+  const F* origin;
+  const F* direction;
+  F error;
+
+  MLT_INLINE FlatAxes(const FlatRayOf<F>& ray, std::uint32_t axis)
+      : origin(ray.origin + axis), direction(ray.direction + axis), error(ray.error) {}
 };
 
 /// One ray.
@@ -135,6 +188,14 @@ struct FlatBounds {
   MaskOf<F> sure;      ///< the ray meets the polygon at 0 < t < limit
 };
 
+/// What rays need of the direction of a plane: -1 / det, and the unit of all errors.
+template <class F>
+struct PlaneSlope {
+  F inverse, error;
+
+  MLT_INLINE PlaneSlope(F det, F ray_error) : inverse(-1.0f / det), error(magnitude(inverse) * ray_error) {}
+};
+
 /// Where rays cross the plane of a polygon, the first half of the fast test.
 template <class F>
 struct PlaneCrossing {
@@ -142,25 +203,36 @@ struct PlaneCrossing {
   MaskOf<F> behind;  ///< no hit at t > 0
 
   template <class Coefficients>
-  MLT_INLINE PlaneCrossing(const Coefficients& of, const F* origin, const F* direction, F ray_error) {
+  MLT_INLINE PlaneCrossing(const Coefficients& of, F height, const PlaneSlope<F>& slope)
+      : t(height * slope.inverse),
+        first(mul_add_bound(slope.error, of(&FlatBlock::depth_error), t)),
+        error(slope.error),
+        behind(mul_add_bound(slope.error, of(&FlatBlock::plane_error), t) <= F{}) {}
+
+  /// The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
+  template <class Coefficients>
+  MLT_INLINE static PlaneCrossing inclined(const Coefficients& of, const FlatAxes<F>& ray) {
     const F normal_i = of(&FlatBlock::normal_i), normal_j = of(&FlatBlock::normal_j);
-    // The signs of n, n_0, u_0 and v_0 are stored so that all are sums.
-    const F height = mul_add_bound(normal_j, origin[2],
-                                   mul_add_bound(normal_i, origin[1], origin[0] - of(&FlatBlock::offset)));
-    const F inverse =
-        -1.0f / mul_add_bound(normal_j, direction[2], mul_add_bound(normal_i, direction[1], direction[0]));
-    error = magnitude(inverse) * ray_error;
-    t = height * inverse;
-    first = mul_add_bound(error, of(&FlatBlock::depth_error), t);
-    behind = mul_add_bound(error, of(&FlatBlock::plane_error), t) <= F{};
+    const F* const o = ray.origin;
+    const F* const d = ray.direction;
+    const F height =
+        mul_add_bound(normal_j, o[2], mul_add_bound(normal_i, o[1], o[0] - of(&FlatBlock::offset)));
+    const F det = mul_add_bound(normal_j, d[2], mul_add_bound(normal_i, d[1], d[0]));
+    return {of, height, PlaneSlope<F>(det, ray.error)};
+  }
+  /// The same for a polygon of the aligned ones, which share their slope.
+  template <class Coefficients>
+  MLT_INLINE static PlaneCrossing aligned(const Coefficients& of, const FlatAxes<F>& ray,
+                                          const PlaneSlope<F>& slope) {
+    return {of, ray.origin[0] - of(&FlatBlock::offset), slope};
   }
 };
 
 /// How far from the middle of a polygon rays cross its plane: up to 1/2 inside.
 template <class F, class Coefficients>
-MLT_INLINE F off_middle(const Coefficients& of, const F* origin, const F* direction, F t) {
-  const F p_i = mul_add_bound(t, direction[1], origin[1]);
-  const F p_j = mul_add_bound(t, direction[2], origin[2]);
+MLT_INLINE F off_middle(const Coefficients& of, const FlatAxes<F>& ray, F t) {
+  const F p_i = mul_add_bound(t, ray.direction[1], ray.origin[1]);
+  const F p_j = mul_add_bound(t, ray.direction[2], ray.origin[2]);
   const F u =
       mul_add_bound(of(&FlatBlock::u_j), p_j, mul_add_bound(of(&FlatBlock::u_i), p_i, of(&FlatBlock::u_0)));
   const F v =
@@ -170,11 +242,9 @@ MLT_INLINE F off_middle(const Coefficients& of, const F* origin, const F* direct
 
 /// The fast test for hits at any distance; `sure` is left open.
 template <class F, class Coefficients>
-MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray) {
-  const F* const origin = ray.origin + axis;
-  const F* const direction = ray.direction + axis;
-  const PlaneCrossing<F> plane(of, origin, direction, ray.error);
-  const F off = off_middle(of, origin, direction, plane.t);
+MLT_INLINE FlatBounds<F> bound_hits(const Coefficients& of, const FlatAxes<F>& ray,
+                                    const PlaneCrossing<F>& plane) {
+  const F off = off_middle(of, ray, plane.t);
   FlatBounds<F> bounds;
   bounds.first = larger(plane.first, F{});
   bounds.rejected = plane.behind | (mul_add_bound(plane.error, of(&FlatBlock::position_error), off) > 0.5f);
@@ -183,18 +253,15 @@ MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, 
 
 /// The fast test for hits before `limit`, outside `excluded`, which counts as rejected.
 template <class F, class Coefficients>
-MLT_INLINE FlatBounds<F> bound_hits(std::uint32_t axis, const Coefficients& of, const FlatRayOf<F>& ray,
-                                    F limit, MaskOf<F> excluded) {
-  const F* const origin = ray.origin + axis;
-  const F* const direction = ray.direction + axis;
-  const PlaneCrossing<F> plane(of, origin, direction, ray.error);
+MLT_INLINE FlatBounds<F> bound_hits(const Coefficients& of, const FlatAxes<F>& ray,
+                                    const PlaneCrossing<F>& plane, F limit, MaskOf<F> excluded) {
   FlatBounds<F> bounds;
   bounds.first = plane.first;
   bounds.sure = MaskOf<F>{};
   bounds.rejected = excluded | plane.behind | (plane.first > limit);
   // Planes that bound the scene lie beyond the ends of all segments in it.
   if (all(bounds.rejected)) return bounds;
-  const F off = off_middle(of, origin, direction, plane.t);
+  const F off = off_middle(of, ray, plane.t);
   const F position_error = of(&FlatBlock::position_error);
   bounds.rejected |= mul_add_bound(plane.error, position_error, off) > 0.5f;
   // Twice the position error, and the depth error to the other side.
@@ -243,7 +310,9 @@ MLT_INLINE void visit_candidates(const FlatList& list, const FlatRay& ray, float
   LaneFloat least = broadcast(kNever), second = least;
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    const auto bounds = bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray);
+    const BlockCoefficients of{block};
+    const FlatAxes<LaneFloat> axes(ray, block.axis);
+    const auto bounds = bound_hits(of, axes, PlaneCrossing<LaneFloat>::inclined(of, axes));
     const LaneInt key = (bits_of(bounds.first) & ~(kFlatSlots - 1)) | block.slot;
     keys[i] = or_lanes(bounds.rejected, floats_of(key));
     // The order of arguments passes over NaN.
@@ -277,8 +346,10 @@ MLT_INLINE bool blocks_ray(const FlatList& list, const FlatRay& ray, LaneFloat l
   LaneInt sure{};
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    const auto bounds =
-        bound_hits<LaneFloat>(block.axis, BlockCoefficients{block}, ray, limit, block.primitive == target);
+    const BlockCoefficients of{block};
+    const FlatAxes<LaneFloat> axes(ray, block.axis);
+    const auto bounds = bound_hits(of, axes, PlaneCrossing<LaneFloat>::inclined(of, axes), limit,
+                                   MaskOf<LaneFloat>(block.primitive == target));
     sure |= bounds.sure;
     all &= bounds.rejected;
     rejected[i] = bounds.rejected;

@@ -70,26 +70,55 @@ template <class F>
 class PolygonRef {
  public:
   MLT_INLINE PolygonRef(const FlatList& list, UintOf<F> slot)
-      : first_(list.polygons[0]), offset_(slot * static_cast<std::uint32_t>(sizeof(FlatPolygon))) {}
+      : list_(list), slot_(slot), in_tables_(kHasTables<F> && list.slot_count() <= kTableSlots) {}
 
-  /// The corners' coordinates along one axis (0 to 2).
-  MLT_INLINE Rows<F> corners(UintOf<F> axis) const {
-    return gather_rows<F>(&first_.quad.corners[0][0], offset_ + axis * 16U);
-  }
-  MLT_INLINE Rows<F> corners(std::uint32_t axis) const {
-    return gather_rows<F>(&first_.quad.corners[axis][0], offset_);
-  }
+  /// The corners' coordinates along x, y and z.
+  MLT_INLINE Rows<F> corners(std::uint32_t axis) const { return row(axis); }
   /// The unit normal, and the primitive's bits.
-  MLT_INLINE Rows<F> normal_row() const { return gather_rows<F>(&first_.quad.normal[0], offset_); }
+  MLT_INLINE Rows<F> normal_row() const { return row(3); }
   /// The box's low corner and the slot's bits, and the high corner.
-  MLT_INLINE Rows<F> low_row() const { return gather_rows<F>(&first_.low[0], offset_); }
-  MLT_INLINE Rows<F> high_row() const { return gather_rows<F>(&first_.high[0], offset_); }
+  MLT_INLINE Rows<F> low_row() const { return row(4); }
+  MLT_INLINE Rows<F> high_row() const { return row(5); }
+
+  /// The corners' coordinates in a ray's order of axes.
+  MLT_INLINE void corners(const AxisOrder<F>& order, Rows<F>& first, Rows<F>& second, Rows<F>& last) const {
+    if (in_tables_) {
+      const Rows<F> x = row(0), y = row(1), z = row(2);
+#pragma GCC unroll 4
+      for (int i = 0; i < 4; ++i) {
+        first.column[i] = order.first(x.column[i], y.column[i], z.column[i]);
+        second.column[i] = order.second(x.column[i], y.column[i], z.column[i]);
+        last.column[i] = order.last(x.column[i], y.column[i], z.column[i]);
+      }
+      return;
+    }
+    using U = UintOf<F>;
+    const U zero{}, one = broadcast_bits<U>(1), two = broadcast_bits<U>(2);
+    first = loaded_row(order.first(zero, one, two));
+    second = loaded_row(order.second(zero, one, two));
+    last = loaded_row(order.last(zero, one, two));
+  }
 
  private:
-  static_assert(offsetof(QuadRecord, primitive) == offsetof(QuadRecord, normal) + 12);
+  static_assert(offsetof(FlatPolygon, quad.corners) == 0);
+  static_assert(offsetof(FlatPolygon, quad.normal) == 3 * 16);
+  static_assert(offsetof(FlatPolygon, quad.primitive) == offsetof(FlatPolygon, quad.normal) + 12);
+  static_assert(offsetof(FlatPolygon, low) == 4 * 16);
   static_assert(offsetof(FlatPolygon, slot) == offsetof(FlatPolygon, low) + 12);
-  const FlatPolygon& first_;
-  UintOf<F> offset_;
+  static_assert(offsetof(FlatPolygon, high) == 5 * 16);
+
+  MLT_INLINE Rows<F> row(std::uint32_t index) const {
+    if (in_tables_) return list_.columns.row<F>(index, slot_, list_.slot_count() > 32);
+    return loaded_row(broadcast_bits<UintOf<F>>(index));
+  }
+  MLT_INLINE Rows<F> loaded_row(UintOf<F> index) const {
+    return gather_rows<F>(&list_.polygons[0].quad.corners[0][0],
+                          slot_ * static_cast<std::uint32_t>(sizeof(FlatPolygon)) + index * 16U);
+  }
+
+  const FlatList& list_;
+  UintOf<F> slot_;
+  bool in_tables_;
 };
 
 /// Largest absolute value of four.
@@ -107,7 +136,6 @@ struct ShearedCorners {
   F inverse_z;
 
   MLT_INLINE ShearedCorners(const PolygonRef<F>& polygon, const WideRayFrame<F>& frame) {
-    using U = UintOf<F>;
     const AxisOrder<F> order(frame);
     const Vec3Of<F>&o = frame.ray.origin, &d = frame.ray.direction;
     const F direction_z = order.last(d.x, d.y, d.z);
@@ -116,10 +144,8 @@ struct ShearedCorners {
     inverse_z = 1.0f / direction_z;
     const F origin_x = order.first(o.x, o.y, o.z), origin_y = order.second(o.x, o.y, o.z);
     const F origin_z = order.last(o.x, o.y, o.z);
-    const U zero{}, one = broadcast_bits<U>(1), two = broadcast_bits<U>(2);
-    const Rows<F> row_z = polygon.corners(order.last(zero, one, two));
-    const Rows<F> row_x = polygon.corners(order.first(zero, one, two));
-    const Rows<F> row_y = polygon.corners(order.second(zero, one, two));
+    Rows<F> row_x, row_y, row_z;
+    polygon.corners(order, row_x, row_y, row_z);
 #pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) {
       z[i] = row_z.column[i] - origin_z;
@@ -207,12 +233,25 @@ MLT_INLINE F key_limits(F limit) {
                    static_cast<std::uint32_t>(kFlatSlots));
 }
 
-/// Calls visit(block, lane) for each polygon of a list.
-template <class Visit>
-MLT_INLINE void for_polygons(const FlatList& list, Visit&& visit) {
+/// Calls visit(block, lane, axes, crossing) for each polygon of a list, with where the rays cross its plane.
+template <class F, class Visit>
+MLT_INLINE void for_crossings(const FlatList& list, const FlatRayOf<F>& ray, Visit&& visit) {
   for (std::uint32_t i = 0; i < list.block_count; ++i) {
     const FlatBlock& block = list.blocks[i];
-    for (std::uint32_t lane = 0; lane < block.used; ++lane) visit(block, static_cast<int>(lane));
+    const FlatAxes<F> axes(ray, block.axis);
+    const auto used = static_cast<int>(block.used), aligned = static_cast<int>(block.aligned);
+    int lane = 0;
+    if (aligned > 0) {
+      const PlaneSlope<F> slope(axes.direction[0], ray.error);
+      for (; lane < aligned; ++lane) {
+        const PolygonCoefficients<F> of{block, lane};
+        visit(block, lane, axes, PlaneCrossing<F>::aligned(of, axes, slope));
+      }
+    }
+    for (; lane < used; ++lane) {
+      const PolygonCoefficients<F> of{block, lane};
+      visit(block, lane, axes, PlaneCrossing<F>::inclined(of, axes));
+    }
   }
 }
 
@@ -275,15 +314,17 @@ MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, fl
   F keys[kFlatSlots];
   int count = 0;
   LeastKeys<F> found;
-  for_polygons(
-      list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
-        const auto bounds = bound_hits<F>(block.axis, PolygonCoefficients<F>{block, lane}, flat);
-        const UintOf<F> key =
-            (as_bits(bounds.first) & ~LeastKeys<F>::kSlotBits) | static_cast<std::uint32_t>(block.slot[lane]);
-        const MaskOf<F> rejected = bounds.rejected | (leaves == block.primitive[lane]);
-        keys[count] = as_floats(key | mask_bits(rejected));
-        found.add(keys[count++]);
-      });
+  for_crossings<F>(
+      list, flat,
+      [&](const FlatBlock& block, int lane, const FlatAxes<F>& axes, const PlaneCrossing<F>& plane)
+          __attribute__((always_inline)) {
+            const auto bounds = bound_hits<F>(PolygonCoefficients<F>{block, lane}, axes, plane);
+            const UintOf<F> key = (as_bits(bounds.first) & ~LeastKeys<F>::kSlotBits) |
+                                  static_cast<std::uint32_t>(block.slot[lane]);
+            const MaskOf<F> rejected = bounds.rejected | (leaves == block.primitive[lane]);
+            keys[count] = as_floats(key | mask_bits(rejected));
+            found.add(keys[count++]);
+          });
 
   WideBestHit<F> best(ray.t_max);
   in_doubt = MaskOf<F>{};
@@ -314,19 +355,21 @@ MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, fl
   // Polygons on which there is doubt: mostly none, or the light at the segment's end.
   MaskOf<F> doubted{}, doubted_twice{};
   U doubtful{};
-  for_polygons(
-      list, [&](const FlatBlock& block, int lane) __attribute__((always_inline)) {
-        const std::uint32_t primitive = block.primitive[lane];
-        const MaskOf<F> is_end = (ends.leaves == primitive) | (ends.target == primitive);
-        const auto bounds =
-            bound_hits<F>(block.axis, PolygonCoefficients<F>{block, lane}, flat, ray.t_max, is_end);
-        blocked |= bounds.sure;
-        const MaskOf<F> possible = not_in(bounds.rejected);
-        doubted_twice |= doubted & possible;
-        doubted |= possible;
-        doubtful =
-            select(possible, broadcast_bits<U>(static_cast<std::uint32_t>(block.slot[lane])), doubtful);
-      });
+  for_crossings<F>(
+      list, flat,
+      [&](const FlatBlock& block, int lane, const FlatAxes<F>& axes, const PlaneCrossing<F>& plane)
+          __attribute__((always_inline)) {
+            const std::uint32_t primitive = block.primitive[lane];
+            const MaskOf<F> is_end = (ends.leaves == primitive) | (ends.target == primitive);
+            const auto bounds =
+                bound_hits<F>(PolygonCoefficients<F>{block, lane}, axes, plane, ray.t_max, is_end);
+            blocked |= bounds.sure;
+            const MaskOf<F> possible = not_in(bounds.rejected);
+            doubted_twice |= doubted & possible;
+            doubted |= possible;
+            doubtful =
+                select(possible, broadcast_bits<U>(static_cast<std::uint32_t>(block.slot[lane])), doubtful);
+          });
   doubted = active & doubted & not_in(blocked);
   in_doubt = doubted & doubted_twice;
   doubted = doubted & not_in(in_doubt);

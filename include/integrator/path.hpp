@@ -127,7 +127,7 @@ class PathIntegrator {
     const SurfacePointOf<F> point =
         world_.geometry.template surface_points<kGeneralGeometry, F>(ray, hit, active);
     const UintOf<F> primitive = select(active, hit.primitive, UintOf<F>{}) * kPrimitiveBytes;
-    const UintOf<F> light = gather_bytes<F>(&world_.primitives[0].light, primitive);
+    const UintOf<F> light = light_on(hit.primitive, primitive);
     if (const M lit = active & (light != kNoLight); any(lit)) {
       const V gathered = paths.throughput *
                          emitted(select(lit, light, UintOf<F>{}), point, ray.direction, paths.arrival, lit);
@@ -148,6 +148,14 @@ class PathIntegrator {
   MLT_NOINLINE V trace(Sampler& sampler, Paths& paths) const {
     for (std::uint32_t edge = 1; any(paths.active); ++edge) advance(sampler, edge, paths);
     return paths.radiance;
+  }
+
+  /// The number of the light on a primitive whose record lies at `offset`, or kNoLight.
+  MLT_INLINE UintOf<F> light_on(const UintOf<F>& primitive, const UintOf<F>& offset) const {
+    using U = UintOf<F>;
+    if constexpr (kManyLights) return gather_bytes<F>(&world_.primitives[0].light, offset);
+    if (world_.lights.lights.empty()) return broadcast_bits<U>(kNoLight);
+    return select(primitive == world_.lights.lights[0].primitive, U{}, broadcast_bits<U>(kNoLight));
   }
 
   /// Light sampling at the points hit, and the direction of the next edge.
@@ -191,7 +199,7 @@ class PathIntegrator {
   MLT_INLINE V emitted(UintOf<F> light_index, const SurfacePointOf<F>& point, const V& direction,
                        const Arrival& arrival, M lit) const {
     const M is_front = dot(direction, point.normal) < 0.0f;
-    const LightRefOf<F> light(world_.lights.lights.data(), light_index);
+    const LightRefOf<F> light = light_of<kManyLights, F>(world_.lights, light_index);
     const V radiance = select(is_front, light.load().radiance, V{F{}, F{}, F{}});
     const M weighted = lit & is_front & not_in(arrival.is_delta);
     if (!any(weighted)) return radiance;
@@ -226,7 +234,7 @@ class PathIntegrator {
     if (!any(seen)) return black;
     const V origin = vertex.point.origin_towards(light.direction);
     const RayOf<F> segment{origin, light.position - origin, broadcast_to<F>(1.0f)};
-    const LightRefOf<F> target(world_.lights.lights.data(), select(seen, light.light, UintOf<F>{}));
+    const auto target = light_of<kManyLights, F>(world_.lights, select(seen, light.light, UintOf<F>{}));
     const SegmentEnds<F> ends{vertex.primitive, target.primitive()};
     seen &= not_in(world_.geometry.template occluded_lanes<kGeneralGeometry, F>(segment, ends, seen));
     if (!any(seen)) return black;

@@ -56,7 +56,10 @@ class LightRefOf {
     if (uniform_) return table_->shape == shape ? not_in(MaskOf<F>{}) : MaskOf<F>{};
     return gather_bytes<F>(&table_->shape, offset_) == static_cast<std::uint32_t>(shape);
   }
-  MLT_INLINE UintOf<F> primitive() const { return gather_bytes<F>(&table_->primitive, offset_); }
+  MLT_INLINE UintOf<F> primitive() const {
+    if (uniform_) return broadcast_bits<UintOf<F>>(table_->primitive);
+    return gather_bytes<F>(&table_->primitive, offset_);
+  }
   /// Loads what is read of the result, provided that it is inlined.
   MLT_INLINE LightOf<F> load() const {
     if constexpr (VectorType<F>) {

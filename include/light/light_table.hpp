@@ -137,6 +137,13 @@ MLT_NOINLINE F weighed_light_probability(const LightTable& table, const Receiver
   return LightChoice<F>(total).probability(own, power);
 }
 
+/// Light number `index`, or, unless kManyLights, the only one; there must be one.
+template <bool kManyLights, class F>
+MLT_INLINE LightRefOf<F> light_of(const LightTable& table, const UintOf<F>& index) {
+  if constexpr (kManyLights) return {table.lights.data(), index};
+  return table.lights[0];
+}
+
 /// Chooses a light by u_choice (read only if kManyLights; otherwise the table holds at most one light) and a
 /// point on it by u, all in [0,1). A density of 0 means: no sample. Nothing is known of lanes outside
 /// `active`.
@@ -161,13 +168,13 @@ MLT_NOINLINE LightSampleOf<F> sample_light(const LightTable& table,
     // No light is chosen where none has power.
     const MaskOf<F> is_chosen = index < count;
     index = select(is_chosen, index, UintOf<F>{});
-    const LightRefOf<F> light(table.lights.data(), index);
+    const LightRefOf<F> light = light_of<kManyLights, F>(table, index);
     LightSampleOf<F> sample = sample_one_light<F>(light, receiver, u, active);
     sample.pdf_solid_angle *= is_weighed ? probability : light.load().choice_probability;
     sample.light = index;
     return select(is_chosen, sample, LightSampleOf<F>{});
   } else {
-    const LightRefOf<F> light(table.lights[0]);
+    const LightRefOf<F> light = light_of<kManyLights, F>(table, UintOf<F>{});
     LightSampleOf<F> sample = sample_one_light<F>(light, receiver, u, active);
     sample.pdf_solid_angle *= light.load().choice_probability;
     sample.light = UintOf<F>{};
@@ -182,7 +189,7 @@ MLT_NOINLINE F light_pdf_solid_angle(const LightTable& table, const UintOf<F>& l
                                      const std::type_identity_t<ReceiverOf<F>>& receiver,
                                      const Vec3Of<F>& position, const Vec3Of<F>& wi,
                                      const MaskOf<F>& active = not_in(MaskOf<F>{})) {
-  const LightRefOf<F> chosen(table.lights.data(), light);
+  const LightRefOf<F> chosen = light_of<kManyLights, F>(table, light);
   F probability = chosen.load().choice_probability;
   if constexpr (kManyLights) {
     if (table.lights.size() <= kMaxWeighedLights)

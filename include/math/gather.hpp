@@ -96,6 +96,32 @@ MLT_INLINE void transpose_rows(const std::byte* const* rows, Rows<F>& result) {
 }  // namespace detail
 #endif
 
+/// Whether table_entries is faster than loads lane by lane.
+template <class F>
+inline constexpr bool kHasTables = kWideLanes == 16 && kLaneCount<F> == 16;
+
+/// Entry index[i] (its lowest 6 bits) of an aligned table of 64 floats, in lane i; the lowest 5 of 32 unless
+/// `beyond_32`.
+template <class F>
+MLT_INLINE F table_entries(const float* table, UintOf<F> index, bool beyond_32) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (kHasTables<F>) {
+    const auto indices = std::bit_cast<__m512i>(index);
+    const auto entries_of = [&](const float* half) __attribute__((always_inline)) {
+      return _mm512_permutex2var_ps(_mm512_load_ps(half), indices, _mm512_load_ps(half + 16));
+    };
+    const __m512 low = entries_of(table);
+    if (!beyond_32) return std::bit_cast<F>(low);
+    const __mmask16 is_high = _mm512_test_epi32_mask(indices, _mm512_set1_epi32(32));
+    return std::bit_cast<F>(_mm512_mask_blend_ps(is_high, low, entries_of(table + 32)));
+  }
+#endif
+  F result{};
+  for (int i = 0; i < kLaneCount<F>; ++i)
+    set_lane_of(result, i, table[lane_of(index, i) % (beyond_32 ? 64U : 32U)]);
+  return result;
+}
+
 /// The four floats at `base` + offset[i] bytes, in lane i.
 template <class F>
 MLT_INLINE Rows<F> gather_rows(const float* base, UintOf<F> offset) {

@@ -136,6 +136,12 @@ int FlatListBuilder::axis_of(const Quad& q) {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
+bool FlatListBuilder::is_aligned(const Quad& q) {
+  const int k = axis_of(q), i = (k + 1) % 3, j = (k + 2) % 3;
+  const Layout at(q, k, i, j);
+  return static_cast<float>(at.n_i) == 0.0f && static_cast<float>(at.n_j) == 0.0f;
+}
+
 FlatListBuilder::FlatListBuilder(FlatList& list, std::uint32_t first_slot, float extent)
     : list_(list), first_slot_(first_slot), extent_(extent) {}
 
@@ -146,10 +152,15 @@ void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon
   FlatBlock& block = list_.blocks[slot_ / kLanes];
   if (slot_ % kLanes == 0) clear_block(block, slot_ / kLanes, axis);
   set_lane(block, static_cast<int>(slot_ % kLanes), quad, double{extent_});
+  if (is_aligned(quad)) {
+    MLT_CHECK_OP(block.aligned, ==, slot_ % kLanes);
+    ++block.aligned;
+  }
   block.primitive[static_cast<int>(slot_ % kLanes)] = polygon.quad.primitive;
   block.used = slot_ % kLanes + 1;
   list_.polygons[slot_] = polygon;
   list_.polygons[slot_].slot = first_slot_ + slot_;
+  list_.columns.set(slot_, list_.polygons[slot_]);
   ++slot_;
 }
 

@@ -290,10 +290,14 @@ std::span<const FlatList> build_flat_lists(Arena& arena, const FlatSlots& slots,
     const std::uint32_t begin = list * kFlatPolygons;
     const std::uint32_t end = std::min(begin + kFlatPolygons, slots.count);
     FlatListBuilder builder(lists[list], list * kFlatSlots, extent);
-    for (int axis = 0; axis < 3; ++axis) {
+    // All aligned polygons of an axis, then the others of it, and so on.
+    for (int part = 0; part < 6; ++part) {
+      const int axis = part / 2;
+      const bool aligned = part % 2 == 0;
       for (std::uint32_t i = begin; i < end; ++i) {
         const Quad q = shapes[i];
-        if (has_area(q) && FlatListBuilder::axis_of(q) == axis) builder.add(axis, q, make_polygon(q, i));
+        if (has_area(q) && FlatListBuilder::axis_of(q) == axis && FlatListBuilder::is_aligned(q) == aligned)
+          builder.add(axis, q, make_polygon(q, i));
       }
     }
     builder.finish();
