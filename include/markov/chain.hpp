@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "base/planted_fault.hpp"
@@ -165,54 +166,59 @@ class ChainGroup {
         [this](int lane) -> Contribution& { return *proposed_[lane].contribution; },
         [this](int lane) -> DefectCounts& { return statistics_of(lane).defects; },
         [this](int lane, std::uint32_t pixel) { films_[static_cast<std::size_t>(lane)].prefetch(pixel); });
-    const UintOf<F> dimensions = samples_.dimension();
-    F acceptances{};
-    for_lanes(active, [&](int lane) {
-      set_lane_of(acceptances, lane, weigh(lane, lane_of(large_step, lane) != 0));
-      statistics_of(lane).primary_samples += lane_of(dimensions, lane);
-    });
+    const F acceptances = weigh(active, large_step);
     const M accepted = active & happens(samples_.rng(), acceptances, active);
     samples_.accept(accepted);
     samples_.reject(not_in(accepted));
-    for_lanes(active, [&](int lane) { decide(lane, lane_of(accepted, lane) != 0); });
+    for_lanes(accepted, [this](int lane) { move(lane); });
+    for_lanes(active & not_in(accepted), [this](int lane) { stay(lane); });
   }
 
-  /// The probability of accepting a lane's proposal, which both states' weights count.
-  float weigh(int lane, bool large_step) {
-    State& current = current_[lane];
-    State& proposed = proposed_[lane];
+  /// The probabilities of accepting the proposals, which both states' weights count. What kind of step a lane
+  /// makes cannot be predicted, so that each kind has a loop of its own.
+  F weigh(M active, M large_step) {
+    F proposed{}, current{};
+    for_lanes(active, [&](int lane) {
+      set_lane_of(proposed, lane, proposed_[lane].contribution->target());
+      set_lane_of(current, lane, current_[lane].contribution->target());
+    });
     // The current target is positive from the start on, for only a positive proposal is ever accepted.
-    const float ratio = proposed.contribution->target() / current.contribution->target();
-    const float acceptance = ratio < 1.0f ? ratio : 1.0f;
-    ChainStatistics& statistics = statistics_of(lane);
-    if (large_step) {
-      statistics.large_steps.add(proposed.contribution->target());
-      statistics.acceptance_large += acceptance;
-    } else {
-      statistics.acceptance_small += acceptance;
-      statistics.small_steps += 1;
-    }
-    proposed.metropolis_weight = acceptance;
-    proposed.uniform_weight = large_step ? 1.0 : 0.0;
-    current.metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
-    return acceptance;
+    const F ratio = proposed / nonzero(active, current);
+    const F acceptances = select(ratio < 1.0f, ratio, broadcast_to<F>(1.0f));
+    const UintOf<F> dimensions = samples_.dimension();
+    for_lanes(active, [&](int lane) {
+      const float acceptance = lane_of(acceptances, lane);
+      proposed_[lane].metropolis_weight = acceptance;
+      proposed_[lane].uniform_weight = 0;
+      current_[lane].metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
+      statistics_of(lane).primary_samples += lane_of(dimensions, lane);
+    });
+    for_lanes(active & not_in(large_step), [&](int lane) {
+      statistics_of(lane).acceptance_small += lane_of(acceptances, lane);
+      statistics_of(lane).small_steps += 1;
+    });
+    for_lanes(active & large_step, [&](int lane) {
+      proposed_[lane].uniform_weight = 1;
+      statistics_of(lane).acceptance_large += lane_of(acceptances, lane);
+      statistics_of(lane).large_steps.add(lane_of(proposed, lane));
+    });
+    return acceptances;
   }
 
-  void decide(int lane, bool accepted) {
+  /// To the proposal.
+  void move(int lane) {
+    flush(lane, current_[lane]);
+    std::swap(current_[lane], proposed_[lane]);
+    current_[lane].rejection_run = 0;
+  }
+
+  /// Where the chain is.
+  void stay(int lane) {
+    flush(lane, proposed_[lane]);
     State& current = current_[lane];
-    State& proposed = proposed_[lane];
-    if (accepted) {
-      flush(lane, current);
-      const State left = current;
-      current = proposed;
-      proposed = left;
-      current.rejection_run = 0;
-    } else {
-      flush(lane, proposed);
-      current.rejection_run += 1;
-      std::uint64_t& longest = statistics_of(lane).longest_rejection_run;
-      if (current.rejection_run > longest) longest = current.rejection_run;
-    }
+    current.rejection_run += 1;
+    std::uint64_t& longest = statistics_of(lane).longest_rejection_run;
+    if (current.rejection_run > longest) longest = current.rejection_run;
   }
 
   /// The one place where a chain splats: rejected proposals, states that are left, and the last state alike.
