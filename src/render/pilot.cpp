@@ -14,11 +14,12 @@
 namespace mlt {
 namespace {
 
-// One round takes so much of the job's work; up to three follow each other while the choice is not clear.
+// One round takes so much of the job's work, and a second as much if the first leaves the choice open. A
+// third would cost more than it tells: where the integrators are close, a wrong choice loses little.
 constexpr double kPathShare = 1.0 / 144;  ///< by the path tracer
 constexpr double kChainShare = 1.0 / 72;  ///< by PSSMLT, whose errors are rarer
-constexpr std::uint64_t kMostRounds = 3;
-constexpr double kClearFactor = 2.5;         ///< above or below the threshold, that ends the rounds
+constexpr std::uint64_t kMostRounds = 2;
+constexpr double kClearFactor = 1.2;         ///< above or below the threshold, that ends the rounds
 constexpr double kMostPiloted = 0x1p24;      ///< samples of a job; the pilot of a larger one is no larger
 constexpr double kPathSamples = 8;           ///< a pixel, so that some of what stratification gains is seen
 constexpr std::uint64_t kChainLength = 512;  ///< mutations: some hundred large steps, and many chains
