@@ -191,7 +191,7 @@ TEST_CASE("a choice that is not clear takes a second round") {
     const double rounds = static_cast<double>(found.paths) / one_round;
     CHECK((std::abs(rounds - 1) < 0.01 || std::abs(rounds - 2) < 0.02));
     // One that was clear at once says so.
-    if (rounds < 1.5) CHECK((found.advantage > 1.19 || found.advantage < 1 / 1.19));
+    if (rounds < 1.5) CHECK((found.advantage > 1.5 || found.advantage < 1 / 1.2));
     if (rounds > 1.5) ++second;
   }
   CHECK(second > 0);
