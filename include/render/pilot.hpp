@@ -21,8 +21,9 @@ namespace mlt {
 inline constexpr std::uint64_t kLeastPiloted = std::uint64_t{1} << 19;
 
 /// PSSMLT is taken where its pilot needed so many times less work than the path tracer's for the same error.
-/// More than 1, because short chains have not met their rare large errors yet: calibrated in docs/RESULTS.md.
-inline constexpr double kPilotThreshold = 1.2;
+/// 1 is no hedge for either: where the choice is close, pilots of both find about the ratio of whole jobs
+/// (docs/RESULTS.md).
+inline constexpr double kPilotThreshold = 1.0;
 
 /// What one integrator's pilot showed, as the mean over rounds of equal size.
 struct PilotRender {

@@ -8,9 +8,9 @@
 namespace mlt {
 namespace {
 
-/// Processor time a primary sample, of PSSMLT over the path tracer: 0.9 to 1.6 on eleven scenes, 0.9 to 1.3
-/// on those where the choice is close, the bootstrap of a default job included. What else a path costs is in
-/// proportion to its primary samples.
+/// Processor time a primary sample, of PSSMLT over the path tracer: 1.0 to 1.4 on six scenes where light is
+/// hard to find, the bootstrap included (docs/RESULTS.md). What else a path costs is in proportion to its
+/// primary samples.
 constexpr double kChainCost = 1.2;
 /// Neighbours in how many rows and columns on each side tell a pixel's radiance.
 constexpr std::size_t kFarReach = 8;
