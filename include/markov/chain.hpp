@@ -189,7 +189,6 @@ class ChainGroup {
     for_lanes(active, [&](int lane) {
       const float acceptance = lane_of(acceptances, lane);
       proposed_[lane].metropolis_weight = acceptance;
-      proposed_[lane].uniform_weight = 0;
       current_[lane].metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
       statistics_of(lane).primary_samples += lane_of(dimensions, lane);
     });

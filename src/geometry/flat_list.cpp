@@ -151,12 +151,13 @@ void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon
   MLT_CHECK_OP(slot_, <, std::uint32_t{kFlatSlots});
   FlatBlock& block = list_.blocks[slot_ / kLanes];
   if (slot_ % kLanes == 0) clear_block(block, slot_ / kLanes, axis);
-  set_lane(block, static_cast<int>(slot_ % kLanes), quad, double{extent_});
-  if (is_aligned(quad)) {
+  const auto lane = static_cast<int>(slot_ % kLanes);
+  set_lane(block, lane, quad, double{extent_});
+  if (block.normal_i[lane] == 0.0f && block.normal_j[lane] == 0.0f) {
     MLT_CHECK_OP(block.aligned, ==, slot_ % kLanes);
     ++block.aligned;
   }
-  block.primitive[static_cast<int>(slot_ % kLanes)] = polygon.quad.primitive;
+  block.primitive[lane] = polygon.quad.primitive;
   block.used = slot_ % kLanes + 1;
   list_.polygons[slot_] = polygon;
   list_.polygons[slot_].slot = first_slot_ + slot_;

@@ -18,7 +18,7 @@ constexpr std::uint64_t kDefaultMutationsPerPixel = 100;
 constexpr std::uint32_t kDefaultChains = 256;
 constexpr std::uint64_t kMinDefaultChainLength = 256;    ///< mutations
 constexpr std::uint64_t kMinDefaultBootstrap = 16384;    ///< paths
-constexpr std::uint64_t kMaxDefaultBootstrap = 1 << 20;  ///< paths: beyond, large steps tell b better
+constexpr std::uint64_t kMaxDefaultBootstrap = 1 << 20;  ///< paths: b is then known well enough
 constexpr std::uint64_t kBootstrapShare = 10;            ///< a tenth of the mutations
 
 /// Collects what is wrong with a request, so that all of it is reported at once.

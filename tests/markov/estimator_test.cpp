@@ -2,6 +2,7 @@
 // scatter of these replicates is the only measure of error. Thresholds: all tests of one case together fail a
 // correct renderer with probability 1e-4 [Sidak67]; seeds are fixed, so they pass or fail for good.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -69,6 +70,37 @@ TEST_CASE("b of the bootstrap and of all large steps agree with the target's int
   const double threshold = sidak_threshold(kSignificance, 2);
   CHECK(student_t_test(moments(from_bootstrap), toy.expected_b()).p_value > threshold);
   CHECK(student_t_test(moments(from_large_steps), toy.expected_b()).p_value > threshold);
+}
+
+/// One half of all vectors is a little darker than the other.
+struct TwoLevels {
+  static constexpr std::uint32_t kPixels = 1, kCapacity = 1, kMaxSplats = 1;
+  static constexpr float kDarker = 0.95f;
+
+  using Float = float;
+  template <class Sampler, class Sink>
+  void evaluate(Sampler& sampler, Sink&& sink, bool = true) const {
+    sink(Splat{0, Vec3{part_of(sampler.next_fixed(), 2) == 0 ? 1.0f : kDarker}});
+  }
+};
+
+TEST_CASE("a proposal a little darker is accepted with the quotient of the targets, however near 1") {
+  ToyJob job;
+  job.large_step = 1;
+  job.mutations = 4000;
+  const TwoLevels toy;
+  DoubleFilm film(TwoLevels::kPixels);
+  const ToyBootstrap bootstrap = run_bootstrap(toy, job.seed, job.bootstrap);
+  const ChainStatistics statistics = run_chains<Kelemen>(toy, job, bootstrap, film);
+  const double count = static_cast<double>(statistics.large_steps.count);
+  REQUIRE(statistics.large_steps.count == job.chains * job.mutations);
+  // Chains are at the brighter level with probability 1 / 1.95, and half of all proposals are the darker one.
+  const double darker = static_cast<double>(TwoLevels::kDarker);
+  const double rejected = (1 - darker) * 0.5 / (1 + darker);
+  // Proposals are independent, but of three in a row a chain's level ties two; twice the variance covers
+  // that.
+  const double error = (1 - darker) * std::sqrt(2 * 0.25 / count);
+  CHECK(normal_p_value((statistics.acceptance_large / count - (1 - rejected)) / error) > kSignificance);
 }
 
 TEST_CASE("pitfall 17: chains of one mutation averaged equal long chains") {

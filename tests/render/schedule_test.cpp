@@ -153,6 +153,22 @@ TEST_CASE("roulette starts by default where the results say, and never behind th
   }
 }
 
+TEST_CASE("the bootstrap is by default a tenth of the mutations, within bounds that a request may pass") {
+  const SceneDescription scene = cornell_box();
+  RenderRequest request = small_request(IntegratorKind::pssmlt, 256, 1, 4);
+  const auto paths = [&](std::uint64_t per_pixel) {
+    request.samples_per_pixel = per_pixel;
+    return resolve_job(request, scene).bootstrap;
+  };
+  request.bootstrap.reset();
+  CHECK(paths(1) == 16384);
+  CHECK(paths(100) == 655360);
+  CHECK(paths(160) == 1048576);
+  CHECK(paths(1000) == 1048576);
+  request.bootstrap = 2000000;
+  CHECK(paths(1000) == 2000000);
+}
+
 TEST_CASE("info names the features that were found and those that were skipped") {
   const RenderRequest request = small_request(IntegratorKind::pssmlt, 16, 8, 4);
   const SceneDescription plain_scene = cornell_box();
