@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "integrator/features.hpp"
+#include "integrator/light_terms.hpp"
 #include "integrator/splat.hpp"
 #include "light/light_table.hpp"
 #include "material/bsdf.hpp"
@@ -115,9 +116,12 @@ class PathIntegrator {
         active};
   }
 
-  /// Adds edge number `edge`, counted from 1.
+  using Terms = LightTerms<kGeneralGeometry, F>;
+  Terms terms() const { return Terms(world_.geometry); }
+
+  /// Adds edge number `edge`, counted from 1. The radiance that it brings is `terms` to add.
   template <class Sampler>
-  MLT_INLINE void advance(Sampler& sampler, std::uint32_t edge, Paths& paths) const {
+  MLT_INLINE void advance(Sampler& sampler, std::uint32_t edge, Paths& paths, Terms& terms) const {
     M& active = paths.active;
     const RayOf<F> ray = paths.ray;
     const HitOf<F> hit =
@@ -131,13 +135,13 @@ class PathIntegrator {
     if (const M lit = active & (light != kNoLight); any(lit)) {
       const V gathered = paths.throughput *
                          emitted(select(lit, light, UintOf<F>{}), point, ray.direction, paths.arrival, lit);
-      paths.radiance = select(lit, paths.radiance + gathered, paths.radiance);
+      terms.add(paths.radiance, gathered, lit);
     }
     if (edge == settings_.depth) {
       active = M{};
       return;
     }
-    scatter(sampler, edge, point, hit.primitive, primitive, paths);
+    scatter(sampler, edge, point, hit.primitive, primitive, paths, terms);
   }
 
  private:
@@ -146,7 +150,9 @@ class PathIntegrator {
 
   template <class Sampler>
   MLT_NOINLINE V trace(Sampler& sampler, Paths& paths) const {
-    for (std::uint32_t edge = 1; any(paths.active); ++edge) advance(sampler, edge, paths);
+    Terms terms = this->terms();
+    for (std::uint32_t edge = 1; any(paths.active); ++edge) advance(sampler, edge, paths, terms);
+    terms.finish();
     return paths.radiance;
   }
 
@@ -161,7 +167,8 @@ class PathIntegrator {
   /// Light sampling at the points hit, and the direction of the next edge.
   template <class Sampler>
   MLT_INLINE void scatter(Sampler& sampler, std::uint32_t edge, const SurfacePointOf<F>& point,
-                          const UintOf<F>& hit, UintOf<F> primitive_offset, Paths& paths) const {
+                          const UintOf<F>& hit, UintOf<F> primitive_offset, Paths& paths,
+                          Terms& terms) const {
     M& active = paths.active;
     const MaterialRefOf<F> material(world_.materials.data(),
                                     gather_bytes<F>(&world_.primitives[0].material, primitive_offset));
@@ -170,9 +177,7 @@ class PathIntegrator {
     // Materials that light is sampled for gather it on the side that is looked at.
     const ReceiverOf<F> receiver{point.position, select(wo.z < 0.0f, -point.normal, point.normal)};
     if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
-      const V gathered =
-          paths.throughput * direct_light(sampler, material, Vertex{point, frame, wo, hit, receiver}, rough);
-      paths.radiance = select(rough, paths.radiance + gathered, paths.radiance);
+      direct_light(sampler, material, Vertex{point, frame, wo, hit, receiver}, rough, paths, terms);
     } else {
       sampler.skip(kLightSamples, active);
     }
@@ -220,27 +225,25 @@ class PathIntegrator {
 
   /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
   template <class Sampler>
-  MLT_INLINE V direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const Vertex& vertex,
-                            M active) const {
-    const V black{F{}, F{}, F{}};
+  MLT_INLINE void direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const Vertex& vertex,
+                               M active, Paths& paths, Terms& terms) const {
     const F u_choice = kManyLights ? sampler.next(active) : F{};
     const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.receiver, u_choice,
                                                                 sampler.next_2d(active), active);
     M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
-    if (!any(seen)) return black;
+    if (!any(seen)) return;
     const BsdfValueOf<F> bsdf =
         evaluate_bsdf<kDiffuseOnly, F>(material, vertex.wo, vertex.frame.to_local(light.direction), seen);
     seen &= not_in(is_zero<F>(bsdf.f_cos));
-    if (!any(seen)) return black;
+    if (!any(seen)) return;
     const V origin = vertex.point.origin_towards(light.direction);
     const RayOf<F> segment{origin, light.position - origin, broadcast_to<F>(1.0f)};
     const auto target = light_of<kManyLights, F>(world_.lights, select(seen, light.light, UintOf<F>{}));
     const SegmentEnds<F> ends{vertex.primitive, target.primitive()};
-    seen &= not_in(world_.geometry.template occluded_lanes<kGeneralGeometry, F>(segment, ends, seen));
-    if (!any(seen)) return black;
     const F pdf = nonzero(seen, light.pdf_solid_angle);
     const F weight = power_heuristic(pdf, bsdf.pdf_solid_angle) / pdf;
-    return select(seen, bsdf.f_cos * light.radiance * weight, black);
+    terms.add_if_free(paths.radiance, paths.throughput * (bsdf.f_cos * light.radiance * weight), segment,
+                      ends, seen);
   }
 
   /// Russian roulette: ends paths with the probability that their throughput, less the squeezing of radiance

@@ -62,7 +62,9 @@ class PathBatch {
   MLT_NOINLINE void advance(Sampler& sampler, std::uint32_t edge, Group& group) {
     const M before = group.paths.active;
     sampler.resume(group.position);
-    integrator_.advance(sampler, edge, group.paths);
+    typename Integrator::Terms terms = integrator_.terms();
+    integrator_.advance(sampler, edge, group.paths, terms);
+    terms.finish();
     group.position = sampler.position();
     const UintOf<F> dimensions = sampler.dimension();
     for_lanes(M(before & not_in(group.paths.active)), [&](int lane) {

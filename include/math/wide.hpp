@@ -297,6 +297,29 @@ MLT_INLINE MaskOf<F> first_lanes(std::uint64_t count) {
   }
 }
 
+/// Lane i holds i.
+template <class U>
+MLT_INLINE U lane_numbers() {
+  U numbers{};
+  for (int i = 0; i < static_cast<int>(sizeof(U) / 4); ++i) set_lane_of(numbers, i, i);
+  return numbers;
+}
+
+/// Lane i is bit i: the inverse of lanes_of.
+template <class F>
+MLT_INLINE MaskOf<F> mask_of(unsigned bits) {
+  if constexpr (VectorType<F>) {
+#if defined(__AVX512DQ__)
+    if constexpr (sizeof(F) == 64)
+      return std::bit_cast<MaskOf<F>>(_mm512_movm_epi32(static_cast<__mmask16>(bits)));
+#endif
+    const UintOf<F> bit = broadcast_bits<UintOf<F>>(1) << lane_numbers<UintOf<F>>();
+    return (broadcast_bits<UintOf<F>>(bits) & bit) != 0U;
+  } else {
+    return bits != 0;
+  }
+}
+
 /// Calls visit(i) for each lane of the mask, in order.
 template <class M, class Visit>
 MLT_INLINE void for_lanes(M mask, Visit&& visit) {
