@@ -8,30 +8,14 @@
 
 #include "integrator/sampler.hpp"
 #include "math/gather.hpp"
+#include "math/reverse_bits.hpp"
 #include "math/rng.hpp"
 #include "math/simd.hpp"
 #include "math/vec.hpp"
 
 namespace mlt {
 
-// The functions below take std::uint32_t or LaneUint, whose lanes they treat alike.
-
-constexpr std::uint32_t swap_bytes(std::uint32_t x) {
-  return __builtin_bswap32(x);
-}
-template <VectorType U>
-MLT_INLINE U swap_bytes(U x) {
-  x = (x >> 16) | (x << 16);
-  return ((x >> 8) & 0x00ff00ffU) | ((x & 0x00ff00ffU) << 8);
-}
-
-template <class Bits>
-MLT_INLINE constexpr Bits reverse_bits(Bits x) {
-  x = swap_bytes(x);
-  x = ((x >> 4) & 0x0f0f0f0fU) | ((x & 0x0f0f0f0fU) << 4);
-  x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
-  return ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
-}
+// The functions below take std::uint32_t or integers in lanes, which they treat alike.
 
 /// Hash in which each bit is influenced by lower bits only [Laine11]; on bit-reversed numbers it is an Owen
 /// scramble. The constants are those of [Vegdahl21], which pass its statistical comparison with true
@@ -149,13 +133,16 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
  private:
   /// Dimensions beyond it, which few paths reach, share one place.
   static constexpr std::uint32_t kRemembered = 128;
-  static_assert(kBlock % kLanes == 0 && kBlock % kLaneCount<F> == 0);
+  /// Numbers that are made at a time.
+  using Step = std::conditional_t<(sizeof(F) > sizeof(LaneUint)), U, LaneUint>;
+  static constexpr std::uint32_t kStep = sizeof(Step) / 4;
+  static_assert(kBlock % kStep == 0 && kBlock % kLaneCount<F> == 0);
 
   enum class Kind : std::uint8_t { single, pair };
 
   /// A dimension of a block of samples, or a pair of them.
   struct Samples {
-    alignas(sizeof(LaneUint)) std::uint32_t first[kBlock];
+    alignas(64) std::uint32_t first[kBlock];
     std::uint32_t second[kBlock];      ///< of a pair
     std::uint64_t key = 0;             ///< hash of the dimension, the same for all blocks of a sequence
     std::uint64_t sequence_stamp = 0;  ///< that `key` belongs to
@@ -219,8 +206,6 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     block_stamp_ += 1;
     const std::uint64_t first = std::uint64_t{block} * kBlock;
     const std::uint64_t left = first < sample_count_ ? sample_count_ - first : kBlock;
-    // All lanes that start together have numbers.
-    constexpr std::uint32_t kStep = kLaneCount < F >> kLanes ? kLaneCount<F> : kLanes;
     used_ = left < kBlock ? (static_cast<std::uint32_t>(left) + kStep - 1) / kStep * kStep : kBlock;
     for (std::uint32_t slot = 0; slot < used_; ++slot)
       reversed_samples_[slot] = reverse_bits(block * kBlock + slot);
@@ -249,16 +234,15 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   void compute(Samples& samples, Kind kind) const {
     samples.tag = tag_of(kind);
     const std::uint64_t scrambles = kind == Kind::pair ? mix64(samples.key) : samples.key >> 32;
-    for (std::uint32_t i = 0; i < used_; i += kLanes) {
-      const LaneUint shuffled =
-          laine_karras(load_lanes(reversed_samples_ + i), static_cast<std::uint32_t>(samples.key));
-      const LaneUint index = reverse_bits(shuffled) & index_mask_;
-      store_lanes(samples.first + i,
-                  reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))));
+    for (std::uint32_t i = 0; i < used_; i += kStep) {
+      const Step shuffled =
+          laine_karras(load_wide<Step>(reversed_samples_ + i), static_cast<std::uint32_t>(samples.key));
+      const Step index = reverse_bits(shuffled) & index_mask_;
+      store_wide(samples.first + i, reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))));
       if (kind == Kind::pair) {
-        store_lanes(samples.second + i,
-                    reverse_bits(laine_karras(reversed_sobol_second(index),
-                                              static_cast<std::uint32_t>(scrambles >> 32))));
+        store_wide(samples.second + i,
+                   reverse_bits(laine_karras(reversed_sobol_second(index),
+                                             static_cast<std::uint32_t>(scrambles >> 32))));
       }
     }
   }
@@ -303,7 +287,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   Position position_;
   std::uint64_t sequence_ = 0, sequence_key_ = 0;
   std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
-  alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};
+  alignas(64) std::uint32_t reversed_samples_[kBlock] = {};
   /// Where a lane's sample lies, and the key of its sequence.
   struct Place {
     std::uint32_t x, y;

@@ -334,5 +334,9 @@ MLT_INLINE V load_wide(const T* values) {
   std::memcpy(&wide, values, sizeof(V));
   return wide;
 }
+template <class V, class T>
+MLT_INLINE void store_wide(T* values, const V& wide) {
+  std::memcpy(values, &wide, sizeof(V));
+}
 
 }  // namespace mlt
