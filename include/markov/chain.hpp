@@ -8,6 +8,8 @@
 // docs/ESTIMATOR.md derives it.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -29,6 +31,8 @@ struct ChainSettings {
   FillSteps fill_steps = nullptr;
   float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
   std::uint32_t first_time = 1;
+  /// Ends chains early, at the mutation that they have come to; nothing asks for it where it is null.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 /// What one chain of a group has to do.
@@ -86,7 +90,8 @@ class ChainGroup {
   }
 
   /// Replays the starts, makes all mutations and adds what was counted to `statistics`, one for each task.
-  void run(std::span<ChainStatistics> statistics) {
+  /// Returns false if it was stopped before.
+  bool run(std::span<ChainStatistics> statistics) {
     statistics_ = statistics;
     begin();
     std::uint64_t longest = 0;
@@ -95,18 +100,28 @@ class ChainGroup {
     ReplayContext& context = replay_context();
     std::uint64_t unchanged_until = 0;
     M active{};
-    for (std::uint64_t step = 1; step <= longest; ++step) {
+    std::uint64_t made = 0;
+    for (; made < longest && !is_stopped_after(made); ++made) {
+      const std::uint64_t step = made + 1;
       context.step = step;
       if (step > unchanged_until) active = chains_at(step, unchanged_until);
       mutate(active);
     }
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       flush(static_cast<int>(i), current_[i]);
-      statistics_[i].mutations += tasks_[i].mutations;
+      statistics_[i].mutations += std::min(made, tasks_[i].mutations);
     }
+    return made == longest;
   }
 
  private:
+  /// The flag is looked at every few milliseconds.
+  static constexpr std::uint64_t kStepsBetweenLooks = 1024;
+  bool is_stopped_after(std::uint64_t steps) const {
+    return steps % kStepsBetweenLooks == 0 && settings_.stop != nullptr &&
+           settings_.stop->load(std::memory_order_relaxed);
+  }
+
   /// A state with the weights that it has gathered while it was current, splatted once when it is left.
   struct State {
     Contribution* contribution = nullptr;

@@ -69,8 +69,8 @@ struct RenderStorage {
   std::uint64_t round = 0;            ///< repetitions of the job's work, each with random numbers of its own
   std::span<ErrorSums> error_blocks;  ///< one a unit of development
   std::span<Vec3> image;
-  const std::atomic<bool>* stop = nullptr;  ///< set: leave tiles, which may be long, before their end
-  std::atomic<bool> left_early{false};      ///< a tile was left before its end
+  const std::atomic<bool>* stop = nullptr;  ///< set: leave units, which may be long, before their end
+  std::atomic<bool> left_early{false};      ///< a tile or a group of chains was left before its end
   std::atomic<std::uint64_t> done{0};       ///< paths finished, raised once a unit
 
   std::size_t film_count() const { return films.size() / image.size(); }

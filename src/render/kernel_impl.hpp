@@ -66,13 +66,11 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   ChainTask tasks[kWideLanes];
   ChainStatistics statistics[kWideLanes];
   FixedFilm films[kWideLanes];
-  std::uint64_t mutations = 0;
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t index = first + i;
     tasks[i] = {storage.round * job.chains + index, chain_length(storage.mutations, job.chains, index),
                 find_start(integrator, storage, own, index)};
     films[i] = FixedFilm(own.film, storage.fraction_bits, half_of(index, job.chains), own.film_writers);
-    mutations += tasks[i].mutations;
   }
   ChainSettings settings;
   settings.seed = job.seed;
@@ -81,10 +79,16 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   settings.weight_b = static_cast<float>(storage.bootstrap_luminance.mean());
   settings.fill_steps = fill_steps_of(job.mutation);
   settings.step_size = job.step_size;
+  settings.stop = storage.stop;
   ChainGroup<WideIntegrator<kFeatures>, FixedFilm> chains(
       integrator, settings, workspace_of(own), std::span(tasks).first(count), std::span(films).first(count));
-  chains.run(std::span(statistics).first(count));
-  for (std::uint64_t i = 0; i < count; ++i) storage.chains[first + i] = statistics[i];
+  if (!chains.run(std::span(statistics).first(count)))
+    storage.left_early.store(true, std::memory_order_relaxed);
+  std::uint64_t mutations = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    storage.chains[first + i] = statistics[i];
+    mutations += statistics[i].mutations;
+  }
   storage.done.fetch_add(mutations, std::memory_order_relaxed);
 }
 

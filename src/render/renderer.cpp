@@ -123,7 +123,7 @@ bool Renderer::State::run_chains(ChainStatistics& total) {
   const std::uint64_t groups = run_phase("chain", plan.kernel.chain_group, plan.chain_groups(), true);
   const std::uint64_t finished = std::min<std::uint64_t>(groups * plan.group_size, plan.job.chains);
   for (std::uint64_t i = 0; i < finished; ++i) total.add(storage.chains[i]);
-  return finished == plan.job.chains;
+  return finished == plan.job.chains && !storage.left_early;
 }
 
 /// Called at the end of a round, with the image developed.
@@ -186,7 +186,6 @@ void Renderer::State::render_path() {
   const RenderJob& job = plan.job;
   progress_total = sequences_in_film(job.width, job.height) * job.samples_per_pixel * job.max_rounds;
   const std::uint64_t tiles = storage.tiles.size();
-  storage.stop = stop;
   do {
     statistics.partial =
         run_phase("path tracer", plan.kernel.tile, tiles, true) < tiles || storage.left_early;
@@ -322,6 +321,7 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
   State& state = *state_;
   MLT_CHECK(state.arena != nullptr);
   state.stop = &stop;
+  state.storage.stop = &stop;
   state.progress = progress;
   state.progress_context = context;
   prefault_stack(std::size_t{64} << 10);
