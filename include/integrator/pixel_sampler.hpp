@@ -111,8 +111,11 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint32_t place(const PixelSample& first, std::uint64_t count) {
     const std::uint32_t room = kBlock - count_;
     const std::uint32_t placed = count < room ? static_cast<std::uint32_t>(count) : room;
-    runs_[run_count_++] = {first, count_, key_of(first)};
-    for (std::uint32_t i = 0; i < placed; ++i) reversed_samples_[count_ + i] = reverse_bits(first.index + i);
+    keys_[run_count_ % 2][run_count_ / 2] = key_of(first);
+    runs_[run_count_++] = {first, count_};
+    // As with all arrays of the slots: what is written beyond a run's own, the next one writes later.
+    for (std::uint32_t i = 0; i < placed; i += kLanes)
+      store_lanes(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<LaneUint>() + (first.index + i)));
     count_ += placed;
     return placed;
   }
@@ -123,8 +126,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   void start(std::uint32_t slot) {
     position_.first = slot;
     position_.is_consecutive = true;
-    for (int lane = 0; lane < kLaneCount<F>; ++lane)
-      set_lane_of(position_.slots, lane, slot + static_cast<std::uint32_t>(lane));
+    position_.slots = lane_numbers<U>() + slot;
     position_.progress.restart();
   }
 
@@ -137,8 +139,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   void for_samples(Visit&& visit) const {
     for (std::uint32_t r = 0; r < run_count_; ++r) {
       PixelSample sample = runs_[r].sample;
-      const std::uint32_t end = r + 1 < run_count_ ? runs_[r + 1].slot : count_;
-      for (std::uint32_t slot = runs_[r].slot; slot < end; ++slot, ++sample.index) visit(slot, sample);
+      for (std::uint32_t slot = runs_[r].slot; slot < end_of(r); ++slot, ++sample.index) visit(slot, sample);
     }
   }
 
@@ -168,11 +169,12 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   enum class Kind : std::uint8_t { single, pair };
 
+  using HalfLanes __attribute__((vector_size(sizeof(LaneUint)))) = std::uint64_t;
+
   /// Slots whose samples follow each other in a sequence.
   struct Run {
     PixelSample sample;  ///< the first
     std::uint32_t slot;
-    std::uint64_t key;  ///< hash of the sequence
   };
 
   /// A dimension of a block of samples, or a pair of them.
@@ -182,10 +184,26 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     std::uint64_t tag = 0;         ///< tells the block, the dimension and the kind
   };
 
-  /// Seeds of the shuffle and of the scrambles of a pair, of one sequence or of one in each lane.
+  /// Of the shuffle and of the scrambles of one dimension or two: one of each, or one a lane.
   template <class Bits>
   struct Seeds {
     Bits shuffle, first, second;
+  };
+  struct SeedArrays {
+    std::uint32_t shuffle[kBlock + kLanes], first[kBlock + kLanes], second[kBlock + kLanes];
+
+    MLT_INLINE void store(std::uint32_t at, const Seeds<LaneUint>& seeds) {
+      store_lanes(shuffle + at, seeds.shuffle);
+      store_lanes(first + at, seeds.first);
+      store_lanes(second + at, seeds.second);
+    }
+    MLT_INLINE Seeds<LaneUint> load(std::uint32_t at) const {
+      return {load_lanes(shuffle + at), load_lanes(first + at), load_lanes(second + at)};
+    }
+    MLT_INLINE Seeds<LaneUint> broadcast(std::uint32_t at) const {
+      return {broadcast_bits<LaneUint>(shuffle[at]), broadcast_bits<LaneUint>(first[at]),
+              broadcast_bits<LaneUint>(second[at])};
+    }
   };
 
   std::uint64_t key_of(const PixelSample& sample) const {
@@ -216,52 +234,73 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     return samples;
   }
 
+  /// Where the slots of a run end.
+  std::uint32_t end_of(std::uint32_t run) const {
+    return run + 1 < run_count_ ? runs_[run + 1].slot : count_;
+  }
+
   /// Slots that are filled, and those that start together with the last of them.
   std::uint32_t used() const {
     constexpr std::uint32_t kStep = kLaneCount < F >> kLanes ? kLaneCount<F> : kLanes;
     return (count_ + kStep - 1) / kStep * kStep;
   }
 
-  static Seeds<std::uint32_t> seeds_of(const Run& run, std::uint32_t number, Kind kind) {
-    const std::uint64_t key = mix64(run.key + 0x9e3779b97f4a7c15ULL * number);
+  static constexpr std::uint64_t kNumberFactor = 0x9e3779b97f4a7c15ULL;
+
+  /// Of a block's only run.
+  MLT_INLINE Seeds<std::uint32_t> seeds_of_run(std::uint32_t number, Kind kind) const {
+    const std::uint64_t key = mix64(keys_[0][0] + kNumberFactor * number);
     const std::uint64_t scrambles = kind == Kind::pair ? mix64(key) : key >> 32;
     return {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(scrambles),
             static_cast<std::uint32_t>(scrambles >> 32)};
   }
 
+  /// Of `run`, an even number, and those after it, one in each lane.
+  MLT_INLINE Seeds<LaneUint> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
+    constexpr std::uint64_t kLow = 0xffffffffU;
+    const auto low = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
+      return std::bit_cast<LaneUint>((even & kLow) | (odd << 32));
+    };
+    const auto high = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
+      return std::bit_cast<LaneUint>((even >> 32) | (odd & ~kLow));
+    };
+    const std::uint64_t offset = kNumberFactor * number;
+    HalfLanes even = mix64(load_wide<HalfLanes>(keys_[0] + run / 2) + offset);
+    HalfLanes odd = mix64(load_wide<HalfLanes>(keys_[1] + run / 2) + offset);
+    const LaneUint shuffle = low(even, odd);
+    if (kind == Kind::single) return {shuffle, high(even, odd), LaneUint{}};
+    even = mix64(even);
+    odd = mix64(odd);
+    return {shuffle, low(even, odd), high(even, odd)};
+  }
+
   /// Number 0 stands for the film's dimensions, others for the dimension before.
   [[gnu::noinline]] void compute(Samples& samples, std::uint32_t number, Kind kind) {
     if (run_count_ == 1) {
-      const Seeds<std::uint32_t> seeds = seeds_of(runs_[0], number, kind);
-      return compute_lanes(samples, kind, [&](std::uint32_t) { return seeds; });
+      const auto seeds = seeds_of_run(number, kind);
+      return compute_slots(samples, kind, [&](std::uint32_t) { return seeds; });
     }
-    // What a run writes beyond its slots belongs to the next one, which writes later.
-    for (std::uint32_t r = 0; r < run_count_; ++r) {
-      const Seeds<std::uint32_t> seeds = seeds_of(runs_[r], number, kind);
-      const std::uint32_t end = r + 1 < run_count_ ? runs_[r + 1].slot : used();
-      for (std::uint32_t i = runs_[r].slot; i < end; i += kLanes) {
-        store_lanes(seeds_.shuffle + i, broadcast_bits<LaneUint>(seeds.shuffle));
-        store_lanes(seeds_.first + i, broadcast_bits<LaneUint>(seeds.first));
-        store_lanes(seeds_.second + i, broadcast_bits<LaneUint>(seeds.second));
+    for (std::uint32_t r = 0; r < run_count_; r += kLanes)
+      seeds_of_runs_.store(r, seeds_of_runs(r, number, kind));
+    if (run_count_ < count_) {
+      for (std::uint32_t r = 0; r < run_count_; ++r) {
+        const auto seeds = seeds_of_runs_.broadcast(r);
+        for (std::uint32_t i = runs_[r].slot; i < end_of(r); i += kLanes) seeds_of_slots_.store(i, seeds);
       }
     }
-    compute_lanes(samples, kind, [&](std::uint32_t i) {
-      return Seeds<LaneUint>{load_lanes(seeds_.shuffle + i), load_lanes(seeds_.first + i),
-                             load_lanes(seeds_.second + i)};
-    });
+    const SeedArrays& seeds = run_count_ < count_ ? seeds_of_slots_ : seeds_of_runs_;
+    compute_slots(samples, kind, [&](std::uint32_t i) { return seeds.load(i); });
   }
 
   template <class SeedsAt>
-  MLT_INLINE void compute_lanes(Samples& samples, Kind kind, SeedsAt&& seeds_at) const {
-    for (std::uint32_t i = 0; i < used(); i += kLanes) {
+  MLT_INLINE void compute_slots(Samples& samples, Kind kind, SeedsAt&& seeds_at) const {
+    for (std::uint32_t i = 0, end = used(); i < end; i += kLanes) {
       const auto seeds = seeds_at(i);
       const LaneUint shuffled = laine_karras(load_lanes(reversed_samples_ + i), seeds.shuffle);
       const LaneUint index = reverse_bits(shuffled) & index_mask_;
       store_lanes(samples.first + i, reverse_bits(laine_karras(index, seeds.first)));
-      if (kind == Kind::pair) {
-        store_lanes(samples.second + i,
-                    reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
-      }
+      if (kind == Kind::single) continue;
+      store_lanes(samples.second + i, reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
     }
   }
 
@@ -270,14 +309,15 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   [[gnu::noinline]] void compute_film() {
     Samples& x = remembered_[0];
     Samples& y = remembered_[1];
+    // Lanes beyond the block's samples have places, too.
+    for (std::uint32_t i = count_; i < used(); ++i) x.first[i] = y.first[i] = 0;
     Samples jitters;
     compute(jitters, 0, Kind::pair);
     for (std::uint32_t r = 0; r < run_count_; ++r) {
       const auto [pixel_x, pixel_y, sequence, index] = runs_[r].sample;
       const std::uint32_t last_x = last_coordinate(pixel_x, width_);
       const std::uint32_t last_y = last_coordinate(pixel_y, height_);
-      const std::uint32_t end = r + 1 < run_count_ ? runs_[r + 1].slot : used();
-      for (std::uint32_t i = runs_[r].slot; i < end; ++i) {
+      for (std::uint32_t i = runs_[r].slot; i < end_of(r); ++i) {
         x.first[i] = film_coordinate(pixel_x, width_, last_x, jitters.first[i]);
         y.first[i] = film_coordinate(pixel_y, height_, last_y, jitters.second[i]);
       }
@@ -312,11 +352,9 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint64_t block_stamp_ = 1;            ///< number of the block
   Position position_;
   Run runs_[kBlock];
-  alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock] = {};
-  /// Of the slots of several runs, and what the last one writes beyond.
-  struct {
-    std::uint32_t shuffle[kBlock + kLanes], first[kBlock + kLanes], second[kBlock + kLanes];
-  } seeds_;
+  alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock + kLanes] = {};
+  std::uint64_t keys_[2][kBlock / 2] = {};  ///< hashes of the sequences of runs of even and odd number
+  SeedArrays seeds_of_runs_ = {}, seeds_of_slots_ = {};
   Samples remembered_[kRemembered];
 };
 using PixelSampler = PixelSamplerOf<float>;

@@ -277,6 +277,15 @@ MLT_INLINE void set_lane_of(V& value, int lane, T to) {
 template <class F>
 inline constexpr auto kLaneTrue = VectorType<F> ? -1 : 1;
 
+/// i in lane i.
+template <class U>
+MLT_INLINE U lane_numbers() {
+  U numbers{};
+  for (int i = 0; i < static_cast<int>(sizeof(U) / 4); ++i)
+    set_lane_of(numbers, i, static_cast<std::uint32_t>(i));
+  return numbers;
+}
+
 /// Lane i alone.
 template <class F>
 MLT_INLINE MaskOf<F> one_lane(int lane) {
