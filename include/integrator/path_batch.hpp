@@ -1,6 +1,6 @@
-// A block of a pixel's samples, edge by edge: their paths fill as many groups of lanes as needed, and those
-// that go on are moved together as others end, so that few lanes are idle. Each path is what it would be
-// alone.
+// A block of samples, of one pixel or several, edge by edge: their paths fill as many groups of lanes as
+// needed, and those that go on are moved together as others end, so that few lanes are idle. Each path is
+// what it would be alone.
 #pragma once
 
 #include <cstdint>
@@ -20,27 +20,27 @@ class PathBatch {
   static constexpr std::uint32_t kGroups = Sampler::kBlock / kWidth;
 
  public:
-  static constexpr std::uint32_t kCapacity = Sampler::kBlock;
+  explicit PathBatch(const Integrator& integrator) : integrator_(integrator), terms_(integrator.terms()) {}
 
-  explicit PathBatch(const Integrator& integrator) : integrator_(integrator) {}
-
-  /// Samples [first, first + count) of pixel (x, y) in its sequence number `sequence`; `first` is a multiple
-  /// of kCapacity, and `count` at most that. Calls visit(i, SplatOf<float>, primary samples used) for sample
-  /// first + i, in order.
+  /// Calls visit(PixelSample, SplatOf<float>, primary samples used) for the sampler's block, in order.
   template <class Visit>
-  void evaluate(Sampler& sampler, std::uint32_t x, std::uint32_t y, std::uint32_t first, std::uint32_t count,
-                std::uint64_t sequence, Visit&& visit) {
-    begin(sampler, x, y, first, count, sequence);
+  void evaluate(Sampler& sampler, Visit&& visit) {
+    begin(sampler);
     for (std::uint32_t edge = 1; group_count_ > 0; ++edge) {
       for (std::uint32_t g = 0; g < group_count_; ++g) advance(sampler, edge, groups_[g]);
+      terms_.finish();
+      for (std::uint32_t g = 0; g < group_count_; ++g) collect(groups_[g]);
       gather();
     }
-    for (std::uint32_t i = 0; i < count; ++i) visit(i, ended_[i].splat, ended_[i].dimension);
+    sampler.for_samples([&](std::uint32_t slot, const PixelSample& sample) {
+      visit(sample, ended_[slot].splat, ended_[slot].dimension);
+    });
   }
 
  private:
   struct Group {
     Paths paths;
+    M begun;  ///< the lanes whose paths have gone on to this edge
     typename Sampler::Position position;
   };
   struct Ended {
@@ -48,26 +48,27 @@ class PathBatch {
     std::uint32_t dimension = 0;
   };
 
-  void begin(Sampler& sampler, std::uint32_t x, std::uint32_t y, std::uint32_t first, std::uint32_t count,
-             std::uint64_t sequence) {
-    active_count_ = count;
-    group_count_ = (count + kWidth - 1) / kWidth;
+  void begin(Sampler& sampler) {
+    active_count_ = sampler.count();
+    group_count_ = (active_count_ + kWidth - 1) / kWidth;
     for (std::uint32_t g = 0; g < group_count_; ++g) {
-      sampler.start(x, y, first + g * kWidth, sequence);
-      groups_[g].paths = integrator_.begin(sampler, first_lanes<F>(count - g * kWidth));
+      sampler.start(g * kWidth);
+      groups_[g].paths = integrator_.begin(sampler, first_lanes<F>(active_count_ - g * kWidth));
       groups_[g].position = sampler.position();
     }
   }
 
   MLT_NOINLINE void advance(Sampler& sampler, std::uint32_t edge, Group& group) {
-    const M before = group.paths.active;
+    group.begun = group.paths.active;
     sampler.resume(group.position);
-    typename Integrator::Terms terms = integrator_.terms();
-    integrator_.advance(sampler, edge, group.paths, terms);
-    terms.finish();
+    integrator_.advance(sampler, edge, group.paths, terms_);
     group.position = sampler.position();
-    const UintOf<F> dimensions = sampler.dimension();
-    for_lanes(M(before & not_in(group.paths.active)), [&](int lane) {
+  }
+
+  /// Keeps what the paths bring that have ended at this edge.
+  void collect(const Group& group) {
+    const UintOf<F> dimensions = group.position.progress.reached();
+    for_lanes(M(group.begun & not_in(group.paths.active)), [&](int lane) {
       --active_count_;
       ended_[lane_of(group.position.slots, lane)] = {
           {lane_of(group.paths.pixel, lane), lane_of(group.paths.radiance, lane)}, lane_of(dimensions, lane)};
@@ -90,10 +91,11 @@ class PathBatch {
   }
 
   const Integrator& integrator_;
+  typename Integrator::Terms terms_;
   std::uint32_t active_count_ = 0;  ///< paths that go on
   std::uint32_t group_count_ = 0;
   Group groups_[kGroups];
-  Ended ended_[kCapacity];
+  Ended ended_[Sampler::kBlock];  ///< by slot
 };
 
 }  // namespace mlt

@@ -1,7 +1,8 @@
 // The path tracer's samples: within each pixel, every pair of dimensions is an Owen-scrambled Sobol' (0,2)
 // sequence, and pairs are decorrelated from each other and from other pixels by nested uniform shuffles
-// [Burley20]. A pure function of (seed, pixel, sample index, dimension). Samples are consumed in blocks, so a
-// dimension is computed for a block at once, in SIMD lanes, when the first asks for it.
+// [Burley20]. A pure function of (seed, pixel, sample index, dimension). Samples are consumed in blocks, of
+// one pixel or several, so a dimension is computed for a block at once, in SIMD lanes, when the first asks
+// for it.
 #pragma once
 
 #include <cstdint>
@@ -42,17 +43,23 @@ MLT_INLINE constexpr Bits reversed_sobol_second(Bits index) {
   return index ^ (index & 0xaaaaaaaaU) >> 1;
 }
 
-/// Lanes have samples of one block of a pixel's, whose numbers are made together and kept, or, where pixels
-/// have fewer samples than there are lanes, each a sample of any pixel.
+/// A sample of a pixel; sequences are independent.
+struct PixelSample {
+  std::uint32_t x = 0, y = 0;
+  std::uint64_t sequence = 0;
+  std::uint32_t index = 0;  ///< in the sequence
+};
+
+/// A block of samples of any pixels has a slot for each, and lanes take slots.
 template <class F>
 class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   using U = UintOf<F>;
 
  public:
-  /// Samples of a pixel whose numbers are made together.
+  /// Samples whose numbers are made together.
   static constexpr std::uint32_t kBlock = VectorType<F> ? 64 : 8;
 
-  /// Which samples of a block the lanes have, and how far these have come.
+  /// Which samples of the block the lanes have, and how far these have come.
   struct Position {
     U slots{};
     std::uint32_t first = 0;     ///< slot of lane 0
@@ -69,24 +76,41 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   /// For `sample_count` samples (>= 1) of a sequence in each pixel of a film of width x height pixels.
   PixelSamplerOf(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
-      : seed_(seed), width_(width), height_(height), sample_count_(sample_count) {
+      : seed_(seed), width_(width), height_(height) {
     // Index bits above the sample count would only add a constant digital shift, which the scramble adds
     // anyway.
     while (index_mask_ < sample_count - 1 && index_mask_ != 0xffffffffU)
       index_mask_ = (index_mask_ << 1) | 1U;
   }
 
-  /// Sample `sample`, a multiple of the number of lanes, and those after it of the pixel's sequence number
-  /// `sequence`; sequences are independent.
-  void start(std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence = 0) {
-    const bool is_new = sequence_stamp_ == 0 || x != x_ || y != y_ || sequence != sequence_;
-    if (is_new) start_sequence(x, y, sequence);
-    if (is_new || sample / kBlock != block_) start_block(sample / kBlock);
-    position_.first = sample % kBlock;
+  /// Empties the block.
+  void clear() {
+    run_count_ = 0;
+    count_ = 0;
+    block_stamp_ += 1;
+  }
+
+  /// Adds `first` and the samples after it, `count` (>= 1) in all, to a block with room for one or more;
+  /// returns how many it had room for. Must be called before the block's first start().
+  std::uint32_t place(const PixelSample& first, std::uint64_t count) {
+    const std::uint32_t room = kBlock - count_;
+    const std::uint32_t placed = count < room ? static_cast<std::uint32_t>(count) : room;
+    keys_[run_count_ % 2][run_count_ / 2] = key_of(first);
+    runs_[run_count_++] = {first, count_};
+    // As with all arrays of the slots: what is written beyond a run's own, the next one writes later.
+    for (std::uint32_t i = 0; i < placed; i += kStep)
+      store_wide(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<Step>() + (first.index + i)));
+    count_ += placed;
+    return placed;
+  }
+
+  std::uint32_t count() const { return count_; }
+
+  /// The samples of `slot`, a multiple of the number of lanes, and the slots after it.
+  void start(std::uint32_t slot) {
+    position_.first = slot;
     position_.is_consecutive = true;
-    for (int lane = 0; lane < kLaneCount<F>; ++lane)
-      set_lane_of(position_.slots, lane, position_.first + static_cast<std::uint32_t>(lane));
-    is_scattered_ = false;
+    position_.slots = lane_numbers<U>() + slot;
     position_.progress.restart();
   }
 
@@ -94,31 +118,22 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   const Position& position() const { return position_; }
   void resume(const Position& position) { position_ = position; }
 
-  /// Instead: for each lane, then start_scattered().
-  void place(int lane, std::uint32_t x, std::uint32_t y, std::uint32_t sample, std::uint64_t sequence) {
-    scattered_[lane] = {x, y, key_of(x, y, sequence)};
-    set_lane_of(reversed_, lane, reverse_bits(sample));
-  }
-  void start_scattered() {
-    is_scattered_ = true;
-    position_.progress.restart();
+  /// Calls visit(slot, PixelSample) for the block's samples in order.
+  template <class Visit>
+  void for_samples(Visit&& visit) const {
+    for (std::uint32_t r = 0; r < run_count_; ++r) {
+      PixelSample sample = runs_[r].sample;
+      for (std::uint32_t slot = runs_[r].slot; slot < end_of(r); ++slot, ++sample.index) visit(slot, sample);
+    }
   }
 
   U next_fixed(MaskOf<F> active = not_in(MaskOf<F>{})) {
     const std::uint32_t dimension = position_.progress.advance(1, active);
-    if (is_scattered_) return scattered_samples(dimension);
-    if (dimension == 0) return film_coordinates(x_, width_, last_x_, film_.first);
-    if (dimension == 1) return film_coordinates(y_, height_, last_y_, film_.second);
     return at_slots(samples_of(dimension, Kind::single).first);
   }
 
   Vec2Of<F> next_2d(MaskOf<F> active = not_in(MaskOf<F>{})) {
     const std::uint32_t dimension = position_.progress.advance(2, active);
-    if (is_scattered_) {
-      U first, second;
-      scatter(first, second, Kind::pair, dimension + 1);
-      return Vec2Of<F>{unit_float(first), unit_float(second)};
-    }
     const Samples& samples = samples_of(dimension, Kind::pair);
     return Vec2Of<F>{unit_float(at_slots(samples.first)), unit_float(at_slots(samples.second))};
   }
@@ -131,37 +146,57 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   U dimension() const { return position_.progress.reached(); }
 
  private:
-  /// Dimensions beyond it, which few paths reach, share one place.
+  /// Dimensions that are so far apart share a place. Paths of a block go on together, so those that are asked
+  /// for in turn are close.
   static constexpr std::uint32_t kRemembered = 128;
   /// Numbers that are made at a time.
   using Step = std::conditional_t<(sizeof(F) > sizeof(LaneUint)), U, LaneUint>;
   static constexpr std::uint32_t kStep = sizeof(Step) / 4;
-  static_assert(kBlock % kStep == 0 && kBlock % kLaneCount<F> == 0);
+  static_assert(kBlock % kStep == 0);
 
   enum class Kind : std::uint8_t { single, pair };
+
+  using HalfLanes = typename Wide<kStep>::Uint64;
+
+  /// Slots whose samples follow each other in a sequence.
+  struct Run {
+    PixelSample sample;  ///< the first
+    std::uint32_t slot;
+  };
 
   /// A dimension of a block of samples, or a pair of them.
   struct Samples {
     alignas(64) std::uint32_t first[kBlock];
-    std::uint32_t second[kBlock];      ///< of a pair
-    std::uint64_t key = 0;             ///< hash of the dimension, the same for all blocks of a sequence
-    std::uint64_t sequence_stamp = 0;  ///< that `key` belongs to
-    std::uint64_t tag = 0;             ///< of the block and the kind that the samples belong to
+    std::uint32_t second[kBlock];  ///< of a pair
+    std::uint64_t tag = 0;         ///< tells the block, the dimension and the kind
   };
 
-  void start_sequence(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) {
-    x_ = x;
-    y_ = y;
-    sequence_ = sequence;
-    sequence_stamp_ += 1;
-    last_x_ = last_coordinate(x, width_);
-    last_y_ = last_coordinate(y, height_);
-    sequence_key_ = key_of(x, y, sequence);
-  }
+  /// Of the shuffle and of the scrambles of one dimension or two: one of each, or one a lane.
+  template <class Bits>
+  struct Seeds {
+    Bits shuffle, first, second;
+  };
+  struct SeedArrays {
+    std::uint32_t shuffle[kBlock + kStep], first[kBlock + kStep], second[kBlock + kStep];
 
-  std::uint64_t key_of(std::uint32_t x, std::uint32_t y, std::uint64_t sequence) const {
-    const std::uint64_t key = Rng(seed_, StreamPurpose::kPixel, std::uint64_t{y} << 32 | x).next_key();
-    return sequence == 0 ? key : mix64(key + 0xd1b54a32d192ed03ULL * sequence);
+    MLT_INLINE void store(std::uint32_t at, const Seeds<Step>& seeds) {
+      store_wide(shuffle + at, seeds.shuffle);
+      store_wide(first + at, seeds.first);
+      store_wide(second + at, seeds.second);
+    }
+    MLT_INLINE Seeds<Step> load(std::uint32_t at) const {
+      return {load_wide<Step>(shuffle + at), load_wide<Step>(first + at), load_wide<Step>(second + at)};
+    }
+    MLT_INLINE Seeds<Step> broadcast(std::uint32_t at) const {
+      return {broadcast_bits<Step>(shuffle[at]), broadcast_bits<Step>(first[at]),
+              broadcast_bits<Step>(second[at])};
+    }
+  };
+
+  std::uint64_t key_of(const PixelSample& sample) const {
+    const std::uint64_t pixel = std::uint64_t{sample.y} << 32 | sample.x;
+    const std::uint64_t key = Rng(seed_, StreamPurpose::kPixel, pixel).next_key();
+    return sample.sequence == 0 ? key : mix64(key + 0xd1b54a32d192ed03ULL * sample.sequence);
   }
 
   MLT_INLINE U at_slots(const std::uint32_t* samples) const {
@@ -169,96 +204,112 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     return gather_bytes<F>(samples, position_.slots * 4U);
   }
 
-  /// compute() for lanes of several pixels; number 0 stands for the film's dimensions.
-  [[gnu::noinline]] void scatter(U& first, U& second, Kind kind, std::uint32_t number) const {
-    U keys{}, low{}, high{};
-    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
-      const std::uint64_t key = mix64(scattered_[lane].key + 0x9e3779b97f4a7c15ULL * number);
-      const std::uint64_t scrambles = kind == Kind::pair ? mix64(key) : key >> 32;
-      set_lane_of(keys, lane, static_cast<std::uint32_t>(key));
-      set_lane_of(low, lane, static_cast<std::uint32_t>(scrambles));
-      set_lane_of(high, lane, static_cast<std::uint32_t>(scrambles >> 32));
-    }
-    const U index = reverse_bits(laine_karras(reversed_, keys)) & index_mask_;
-    first = reverse_bits(laine_karras(index, low));
-    second = reverse_bits(laine_karras(reversed_sobol_second(index), high));
+  std::uint64_t tag_of(std::uint32_t dimension, Kind kind) const {
+    return block_stamp_ << 32 | std::uint64_t{dimension} << 1 | static_cast<std::uint64_t>(kind);
   }
 
-  [[gnu::noinline]] U scattered_samples(std::uint32_t dimension) const {
-    U first, second;
-    if (dimension > 1) {
-      scatter(first, second, Kind::single, dimension + 1);
-      return first;
+  MLT_INLINE const Samples& samples_of(std::uint32_t dimension, Kind kind) {
+    Samples& samples = remembered_[dimension % kRemembered];
+    if (samples.tag != tag_of(dimension, kind)) [[unlikely]] {
+      if (dimension < 2 && kind == Kind::single) {
+        compute_film();
+      } else {
+        compute(samples, dimension + 1, kind);
+        samples.tag = tag_of(dimension, kind);
+      }
     }
-    scatter(first, second, Kind::pair, 0);
-    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
-      const auto [x, y, key] = scattered_[lane];
-      const std::uint32_t coordinate =
-          dimension == 0 ? film_coordinate(x, width_, last_coordinate(x, width_), lane_of(first, lane))
-                         : film_coordinate(y, height_, last_coordinate(y, height_), lane_of(second, lane));
-      set_lane_of(first, lane, coordinate);
-    }
-    return first;
-  }
-
-  void start_block(std::uint32_t block) {
-    block_ = block;
-    block_stamp_ += 1;
-    const std::uint64_t first = std::uint64_t{block} * kBlock;
-    const std::uint64_t left = first < sample_count_ ? sample_count_ - first : kBlock;
-    used_ = left < kBlock ? (static_cast<std::uint32_t>(left) + kStep - 1) / kStep * kStep : kBlock;
-    for (std::uint32_t slot = 0; slot < used_; ++slot)
-      reversed_samples_[slot] = reverse_bits(block * kBlock + slot);
-    film_.key = mix64(sequence_key_);
-    compute(film_, Kind::pair);
-  }
-
-  std::uint64_t tag_of(Kind kind) const { return block_stamp_ << 1 | static_cast<std::uint64_t>(kind); }
-
-  const Samples& samples_of(std::uint32_t dimension, Kind kind) {
-    const bool is_remembered = dimension < kRemembered;
-    Samples& samples = remembered_[is_remembered ? dimension : kRemembered];
-    if (samples.tag != tag_of(kind) || !is_remembered) [[unlikely]]
-      compute_dimension(samples, dimension, kind);
     return samples;
   }
 
-  [[gnu::noinline]] void compute_dimension(Samples& samples, std::uint32_t dimension, Kind kind) {
-    if (samples.sequence_stamp != sequence_stamp_ || dimension >= kRemembered) {
-      samples.sequence_stamp = sequence_stamp_;
-      samples.key = mix64(sequence_key_ + 0x9e3779b97f4a7c15ULL * (dimension + 1));
-    }
-    compute(samples, kind);
+  /// Where the slots of a run end.
+  std::uint32_t end_of(std::uint32_t run) const {
+    return run + 1 < run_count_ ? runs_[run + 1].slot : count_;
   }
 
-  void compute(Samples& samples, Kind kind) const {
-    samples.tag = tag_of(kind);
-    const std::uint64_t scrambles = kind == Kind::pair ? mix64(samples.key) : samples.key >> 32;
-    for (std::uint32_t i = 0; i < used_; i += kStep) {
-      const Step shuffled =
-          laine_karras(load_wide<Step>(reversed_samples_ + i), static_cast<std::uint32_t>(samples.key));
-      const Step index = reverse_bits(shuffled) & index_mask_;
-      store_wide(samples.first + i, reverse_bits(laine_karras(index, static_cast<std::uint32_t>(scrambles))));
-      if (kind == Kind::pair) {
-        store_wide(samples.second + i,
-                   reverse_bits(laine_karras(reversed_sobol_second(index),
-                                             static_cast<std::uint32_t>(scrambles >> 32))));
+  /// Slots that are filled, and those that start together with the last of them.
+  std::uint32_t used() const { return (count_ + kStep - 1) / kStep * kStep; }
+
+  static constexpr std::uint64_t kNumberFactor = 0x9e3779b97f4a7c15ULL;
+
+  /// Of a block's only run.
+  MLT_INLINE Seeds<std::uint32_t> seeds_of_run(std::uint32_t number, Kind kind) const {
+    const std::uint64_t key = mix64(keys_[0][0] + kNumberFactor * number);
+    const std::uint64_t scrambles = kind == Kind::pair ? mix64(key) : key >> 32;
+    return {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(scrambles),
+            static_cast<std::uint32_t>(scrambles >> 32)};
+  }
+
+  /// Of `run`, an even number, and those after it, one in each lane.
+  MLT_INLINE Seeds<Step> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
+    constexpr std::uint64_t kLow = 0xffffffffU;
+    const auto low = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
+      return std::bit_cast<Step>((even & kLow) | (odd << 32));
+    };
+    const auto high = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
+      return std::bit_cast<Step>((even >> 32) | (odd & ~kLow));
+    };
+    const std::uint64_t offset = kNumberFactor * number;
+    HalfLanes even = mix64(load_wide<HalfLanes>(keys_[0] + run / 2) + offset);
+    HalfLanes odd = mix64(load_wide<HalfLanes>(keys_[1] + run / 2) + offset);
+    const Step shuffle = low(even, odd);
+    if (kind == Kind::single) return {shuffle, high(even, odd), Step{}};
+    even = mix64(even);
+    odd = mix64(odd);
+    return {shuffle, low(even, odd), high(even, odd)};
+  }
+
+  /// Number 0 stands for the film's dimensions, others for the dimension before.
+  [[gnu::noinline]] void compute(Samples& samples, std::uint32_t number, Kind kind) {
+    if (run_count_ == 1) {
+      const auto seeds = seeds_of_run(number, kind);
+      return compute_slots(samples, kind, [&](std::uint32_t) { return seeds; });
+    }
+    for (std::uint32_t r = 0; r < run_count_; r += kStep)
+      seeds_of_runs_.store(r, seeds_of_runs(r, number, kind));
+    if (run_count_ < count_) {
+      for (std::uint32_t r = 0; r < run_count_; ++r) {
+        const auto seeds = seeds_of_runs_.broadcast(r);
+        for (std::uint32_t i = runs_[r].slot; i < end_of(r); i += kStep) seeds_of_slots_.store(i, seeds);
       }
     }
+    const SeedArrays& seeds = run_count_ < count_ ? seeds_of_slots_ : seeds_of_runs_;
+    compute_slots(samples, kind, [&](std::uint32_t i) { return seeds.load(i); });
   }
 
-  U film_coordinates(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
-                     const std::uint32_t* jitters) const {
-    U coordinates{};
-    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
-      set_lane_of(coordinates, lane,
-                  film_coordinate(pixel, side, last, jitters[lane_of(position_.slots, lane)]));
+  template <class SeedsAt>
+  MLT_INLINE void compute_slots(Samples& samples, Kind kind, SeedsAt&& seeds_at) const {
+    for (std::uint32_t i = 0, end = used(); i < end; i += kStep) {
+      const auto seeds = seeds_at(i);
+      const Step shuffled = laine_karras(load_wide<Step>(reversed_samples_ + i), seeds.shuffle);
+      const Step index = reverse_bits(shuffled) & index_mask_;
+      store_wide(samples.first + i, reverse_bits(laine_karras(index, seeds.first)));
+      if (kind == Kind::single) continue;
+      store_wide(samples.second + i, reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
     }
-    return coordinates;
   }
 
   /// Dimensions 0 and 1 are film coordinates in [0,1) of the whole film: the smallest fixed-point number at
   /// or after pixel + jitter, so that multiplying by the side gives back exactly this pixel.
+  [[gnu::noinline]] void compute_film() {
+    Samples& x = remembered_[0];
+    Samples& y = remembered_[1];
+    // Lanes beyond the block's samples have places, too.
+    for (std::uint32_t i = count_; i < used(); ++i) x.first[i] = y.first[i] = 0;
+    Samples jitters;
+    compute(jitters, 0, Kind::pair);
+    for (std::uint32_t r = 0; r < run_count_; ++r) {
+      const auto [pixel_x, pixel_y, sequence, index] = runs_[r].sample;
+      const std::uint32_t last_x = last_coordinate(pixel_x, width_);
+      const std::uint32_t last_y = last_coordinate(pixel_y, height_);
+      for (std::uint32_t i = runs_[r].slot; i < end_of(r); ++i) {
+        x.first[i] = film_coordinate(pixel_x, width_, last_x, jitters.first[i]);
+        y.first[i] = film_coordinate(pixel_y, height_, last_y, jitters.second[i]);
+      }
+    }
+    x.tag = tag_of(0, Kind::single);
+    y.tag = tag_of(1, Kind::single);
+  }
+
   static std::uint32_t film_coordinate(std::uint32_t pixel, std::uint32_t side, std::uint32_t last,
                                        std::uint32_t jitter) {
     // At the film's end it may be 2^32.
@@ -280,24 +331,15 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   std::uint64_t seed_;
   std::uint32_t width_, height_;
-  std::uint64_t sample_count_;
   std::uint32_t index_mask_ = 0;
-  std::uint32_t x_ = 0, y_ = 0, last_x_ = 0, last_y_ = 0;
-  std::uint32_t block_ = 0, used_ = 0;  ///< of whose numbers so many are made
+  std::uint32_t run_count_ = 0, count_ = 0;  ///< runs and samples of the block
+  std::uint64_t block_stamp_ = 1;            ///< number of the block
   Position position_;
-  std::uint64_t sequence_ = 0, sequence_key_ = 0;
-  std::uint64_t sequence_stamp_ = 0, block_stamp_ = 0;  ///< numbers of sequences and blocks started
-  alignas(64) std::uint32_t reversed_samples_[kBlock] = {};
-  /// Where a lane's sample lies, and the key of its sequence.
-  struct Place {
-    std::uint32_t x, y;
-    std::uint64_t key;
-  };
-  Place scattered_[kLaneCount<F>] = {};
-  U reversed_{};  ///< indices of scattered samples
-  bool is_scattered_ = false;
-  Samples film_;
-  Samples remembered_[kRemembered + 1];
+  Run runs_[kBlock];
+  alignas(64) std::uint32_t reversed_samples_[kBlock + kStep] = {};
+  std::uint64_t keys_[2][kBlock / 2] = {};  ///< hashes of the sequences of runs of even and odd number
+  SeedArrays seeds_of_runs_ = {}, seeds_of_slots_ = {};
+  Samples remembered_[kRemembered];
 };
 using PixelSampler = PixelSamplerOf<float>;
 

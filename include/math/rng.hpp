@@ -30,6 +30,14 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
+/// The same in each lane of 64 bits.
+template <VectorType V>
+MLT_INLINE V mix64(V x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
 /// A 32-bit fixed-point number in [0,1) as a float in [0, 1-2^-24]: 24 bits are kept, so it never rounds
 /// to 1.
 template <class U>

@@ -20,6 +20,8 @@ struct Wide {
   using Float __attribute__((vector_size(kCount * sizeof(float)))) = float;
   using Mask __attribute__((vector_size(kCount * sizeof(float)))) = std::int32_t;
   using Uint __attribute__((vector_size(kCount * sizeof(float)))) = std::uint32_t;
+  /// Half as many lanes of 64 bits.
+  using Uint64 __attribute__((vector_size(kCount * sizeof(float)))) = std::uint64_t;
 };
 
 template <>
@@ -301,7 +303,8 @@ MLT_INLINE MaskOf<F> first_lanes(std::uint64_t count) {
 template <class U>
 MLT_INLINE U lane_numbers() {
   U numbers{};
-  for (int i = 0; i < static_cast<int>(sizeof(U) / 4); ++i) set_lane_of(numbers, i, i);
+  for (int i = 0; i < static_cast<int>(sizeof(U) / 4); ++i)
+    set_lane_of(numbers, i, static_cast<std::uint32_t>(i));
   return numbers;
 }
 

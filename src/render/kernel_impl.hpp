@@ -92,22 +92,16 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   storage.done.fetch_add(mutations, std::memory_order_relaxed);
 }
 
-/// Where the sample of a lane is counted.
-struct PixelSample {
-  std::uint32_t pixel = 0;
-  std::uint32_t sequence = 0;
-  std::uint64_t index = 0;  ///< in its sequence
-};
-
 /// One sample's path, which used so many primary samples.
 inline void add_sample(const RenderStorage& storage, const PixelSample& sample, const Splat& splat,
                        std::uint32_t dimension, TileStatistics& statistics) {
-  MLT_CHECK_OP(splat.pixel, ==, sample.pixel);
+  MLT_CHECK_OP(splat.pixel, ==, sample.y * storage.job.width + sample.x);
   const bool rejected = statistics.defects.reject(splat.value);
   const int half = half_of_sequence(sample.index, storage.job.samples_per_pixel);
-  if (!rejected) storage.pixels[sample.pixel].add(splat.value, half, sample.sequence == 0 ? 1 : -1);
+  const bool is_first = sample.sequence == 2 * storage.round;
+  if (!rejected) storage.pixels[splat.pixel].add(splat.value, half, is_first ? 1 : -1);
   // The mean over the image weighs pixels alike, so the second sequence stays out of it.
-  if (sample.sequence == 0) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
+  if (is_first) statistics.luminance.add(rejected ? 0.0 : luminance(splat.value));
   statistics.primary_samples += dimension;
   statistics.samples += 1;
 }
@@ -129,61 +123,34 @@ struct TileBounds {
   }
 };
 
-/// All samples of one pixel.
+/// The tile's samples, pixel after pixel, in blocks that begin and end anywhere. Returns the number of pixels
+/// rendered before the stop.
 template <FeatureMask kFeatures>
-void render_pixel(PathBatch<WideIntegrator<kFeatures>>& batch, const RenderStorage& storage,
-                  PixelSamplerOf<WideFloat>& sampler, std::uint32_t x, std::uint32_t y,
-                  TileStatistics& statistics) {
-  constexpr std::uint32_t kMost = PathBatch<WideIntegrator<kFeatures>>::kCapacity;
-  const std::uint64_t count = storage.job.samples_per_pixel;
-  for (std::uint32_t sequence = 0; sequence < sequences_in(x, y); ++sequence) {
-    for (std::uint64_t first = 0; first < count; first += kMost) {
-      replay_context().step = sequence * count + first;
-      const std::uint64_t left = count - first;
-      batch.evaluate(sampler, x, y, static_cast<std::uint32_t>(first),
-                     left < kMost ? static_cast<std::uint32_t>(left) : kMost, 2 * storage.round + sequence,
-                     [&](std::uint32_t i, const Splat& splat, std::uint32_t dimension) {
-                       add_sample(storage, {y * storage.job.width + x, sequence, first + i}, splat, dimension,
-                                  statistics);
-                     });
-    }
-  }
-}
-
-/// Samples of several pixels at a time, where pixels have fewer than there are lanes. Returns the number of
-/// pixels rendered before the stop.
-template <FeatureMask kFeatures>
-std::uint32_t render_few_samples(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
-                                 PixelSamplerOf<WideFloat>& sampler, const TileBounds& tile,
-                                 TileStatistics& statistics) {
-  PixelSample samples[kWideLanes];
-  std::uint32_t used = 0;
+std::uint32_t render_pixels(const RenderStorage& storage, const TileBounds& tile,
+                            TileStatistics& statistics) {
+  const RenderJob& job = storage.job;
+  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
+  PathBatch<WideIntegrator<kFeatures>> batch(integrator);
+  PixelSamplerOf<WideFloat> sampler(job.seed, job.width, job.height, job.samples_per_pixel);
   const auto flush = [&] {
-    sampler.start_scattered();
-    integrator.evaluate(
-        sampler,
-        [&](const SplatOf<WideFloat>& splats, MaskOf<WideFloat> lanes) {
-          const UintOf<WideFloat> dimensions = sampler.dimension();
-          for_lanes(lanes, [&](int lane) {
-            add_sample(storage, samples[lane], {lane_of(splats.pixel, lane), lane_of(splats.value, lane)},
-                       lane_of(dimensions, lane), statistics);
-          });
-        },
-        first_lanes<WideFloat>(used));
-    used = 0;
+    replay_context().step = statistics.samples;
+    batch.evaluate(sampler, [&](const PixelSample& sample, const Splat& splat, std::uint32_t dimension) {
+      add_sample(storage, sample, splat, dimension, statistics);
+    });
+    sampler.clear();
   };
   const std::uint32_t rendered = tile.for_pixels([&](std::uint32_t x, std::uint32_t y) {
     if (storage.stop->load(std::memory_order_relaxed)) return false;
     for (std::uint32_t sequence = 0; sequence < sequences_in(x, y); ++sequence) {
-      for (std::uint32_t i = 0; i < storage.job.samples_per_pixel; ++i) {
-        sampler.place(static_cast<int>(used), x, y, i, 2 * storage.round + sequence);
-        samples[used++] = {y * storage.job.width + x, sequence, i};
-        if (used == kWideLanes) flush();
+      PixelSample next{x, y, 2 * storage.round + sequence, 0};
+      while (next.index < job.samples_per_pixel) {
+        next.index += sampler.place(next, job.samples_per_pixel - next.index);
+        if (sampler.count() == sampler.kBlock) flush();
       }
     }
     return true;
   });
-  if (used > 0) flush();
+  if (sampler.count() > 0) flush();
   return rendered;
 }
 
@@ -191,8 +158,6 @@ template <FeatureMask kFeatures>
 void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const RenderJob& job = storage.job;
-  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  PixelSamplerOf<WideFloat> sampler(job.seed, job.width, job.height, job.samples_per_pixel);
   const std::uint32_t tiles_across = tile_count(job.width);
   const std::uint32_t first_x = static_cast<std::uint32_t>(tile % tiles_across) * kTileSide;
   const std::uint32_t first_y = static_cast<std::uint32_t>(tile / tiles_across) * kTileSide;
@@ -201,17 +166,7 @@ void run_tile(void* context, std::uint32_t, std::uint64_t tile) {
   replay_context().seed = job.seed;
   replay_context().unit = tile;
   TileStatistics statistics;
-  std::uint32_t rendered = 0;
-  if (job.samples_per_pixel < kWideLanes) {
-    rendered = render_few_samples(integrator, storage, sampler, bounds, statistics);
-  } else {
-    PathBatch<WideIntegrator<kFeatures>> batch(integrator);
-    rendered = bounds.for_pixels([&](std::uint32_t x, std::uint32_t y) {
-      if (storage.stop->load(std::memory_order_relaxed)) return false;
-      render_pixel<kFeatures>(batch, storage, sampler, x, y, statistics);
-      return true;
-    });
-  }
+  std::uint32_t rendered = render_pixels<kFeatures>(storage, bounds, statistics);
   const std::uint32_t pixels = bounds.for_pixels([&](std::uint32_t x, std::uint32_t y) {
     if (rendered == 0) return false;
     --rendered;

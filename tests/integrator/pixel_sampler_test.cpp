@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "support/pixel_samples.hpp"
 #include "support/statistics.hpp"
 
 namespace mlt::test {
@@ -38,7 +39,7 @@ std::vector<Vec2> pairs(PixelSampler& sampler, std::uint32_t x, std::uint32_t y,
                         std::uint32_t skipped) {
   std::vector<Vec2> points;
   for (std::uint32_t i = 0; i < count; ++i) {
-    sampler.start(x, y, i);
+    start_sample(sampler, x, y, i);
     sampler.skip(skipped);
     points.push_back(sampler.next_2d());
   }
@@ -66,7 +67,7 @@ TEST_CASE("single dimensions are stratified") {
       PixelSampler sampler(m, 64, 64, total);
       std::set<std::uint32_t> strata;
       for (std::uint32_t i = 0; i < 1U << m; ++i) {
-        sampler.start(3, 5, i);
+        start_sample(sampler, 3, 5, i);
         sampler.skip(2 + m);
         strata.insert(interval(sampler.next(), m));
       }
@@ -80,7 +81,7 @@ struct FilmSample {
 };
 
 FilmSample film_sample(PixelSampler& sampler, std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
-  sampler.start(x, y, sample);
+  start_sample(sampler, x, y, sample);
   const std::uint32_t fixed_x = sampler.next_fixed();
   return {fixed_x, sampler.next_fixed()};
 }
@@ -153,7 +154,7 @@ TEST_CASE("one sample of each pixel is uniform, and independent between dimensio
   float previous = 0;
   for (std::uint32_t y = 0; y < 256; ++y) {
     for (std::uint32_t x = 0; x < 256; ++x) {
-      sampler.start(x, y, 2);
+      start_sample(sampler, x, y, 2);
       const std::uint32_t fixed_x = sampler.next_fixed();
       film.add(unit_float(fixed_x << 8), unit_float(sampler.next_fixed() << 8));
       const Vec2 first = sampler.next_2d();
@@ -165,7 +166,7 @@ TEST_CASE("one sample of each pixel is uniform, and independent between dimensio
       if (x % 2 == 1) between_pixels.add(previous, first.x);
       previous = first.x;
       // Pixels above each other, and two samples of one pixel that no net ties together: of different pairs.
-      sampler.start(x, y, 1);
+      start_sample(sampler, x, y, 1);
       sampler.skip(2);
       between_samples.add(second.x, sampler.next_2d().x);
     }
@@ -248,50 +249,58 @@ TEST_CASE("a pixel's samples are shuffled anew for each pair of dimensions and e
 
 TEST_CASE("a sample is a function of seed, pixel, index and dimension; skipping keeps later dimensions") {
   PixelSampler sampler(1, 50, 40, 16);
-  sampler.start(7, 9, 3);
+  start_sample(sampler, 7, 9, 3);
   std::vector<float> values;
   for (int i = 0; i < 10; ++i) values.push_back(sampler.next());
-  sampler.start(8, 9, 3);
+  start_sample(sampler, 8, 9, 3);
   CHECK(sampler.next() != values[0]);
   for (std::uint32_t skipped = 0; skipped < 10; ++skipped) {
-    sampler.start(7, 9, 3);
+    start_sample(sampler, 7, 9, 3);
     sampler.skip(skipped);
     CHECK(sampler.next() == values[skipped]);
   }
   // The place of a pair is its first dimension, whatever was asked for before.
-  sampler.start(7, 9, 3);
+  start_sample(sampler, 7, 9, 3);
   sampler.skip(6);
   const Vec2 pair = sampler.next_2d();
-  sampler.start(7, 9, 3);
+  start_sample(sampler, 7, 9, 3);
   for (int i = 0; i < 4; ++i) sampler.next();
   sampler.next_2d();
   CHECK(sampler.next_2d() == pair);
   PixelSampler other_seed(2, 50, 40, 16);
-  other_seed.start(7, 9, 3);
+  start_sample(other_seed, 7, 9, 3);
   other_seed.skip(2);
   CHECK(other_seed.next() != values[2]);
 }
 
 TEST_CASE("a sample is a function of pixel, index and dimension alone, whatever was asked for before") {
-  // Dimensions beyond those that the sampler remembers, too; in an order that no path has.
+  // Far apart, where numbers of a block share a place, too; in an order that no path has.
   constexpr std::uint32_t kLast = 300;
   PixelSampler used(9, 8, 8, 32);
   for (const std::uint32_t sample : {0U, 9U, 3U, 31U, 8U}) {
-    used.start(2, 5, sample, 1);
+    used.clear();
+    used.place({2, 5, 1, sample / 8 * 8}, 8);
     for (std::uint32_t dimension = 2; dimension + 2 <= kLast; dimension += 3) {
       PixelSampler fresh(9, 8, 8, 32);
-      fresh.start(2, 5, sample, 1);
+      start_sample(fresh, 2, 5, sample, 1);
       fresh.skip(dimension);
-      used.start(2, 5, sample, 1);
+      used.start(sample % 8);
       used.skip(dimension);
       REQUIRE(used.next_2d() == fresh.next_2d());
       REQUIRE(used.next_fixed() == fresh.next_fixed());
       REQUIRE(used.dimension() == dimension + 3);
+      // As a single, what was one of a pair, and the reverse.
+      used.start(sample % 8);
+      used.skip(dimension);
+      const std::uint32_t single = used.next_fixed();
+      start_sample(fresh, 2, 5, sample, 1);
+      fresh.skip(dimension);
+      REQUIRE(single == fresh.next_fixed());
     }
   }
   // And no two of them are the same.
   std::vector<std::uint32_t> values;
-  used.start(2, 5, 7);
+  start_sample(used, 2, 5, 7);
   for (std::uint32_t dimension = 0; dimension < kLast; ++dimension) values.push_back(used.next_fixed());
   std::sort(values.begin(), values.end());
   CHECK(std::adjacent_find(values.begin(), values.end()) == values.end());

@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <vector>
 
 #include "integrator/path.hpp"
 #include "integrator/path_batch.hpp"
 #include "integrator/pixel_sampler.hpp"
 #include "integrator/sampler.hpp"
 #include "support/compiled_scene.hpp"
+#include "support/pixel_samples.hpp"
 
 namespace mlt::test {
 namespace {
@@ -115,36 +117,86 @@ TEST_CASE("a path in a lane is the path that it would be alone, in all kernels")
   check_lanes<feature(FeatureBit::roulette)>(plain.world(), {20, 2}, 20000);
 }
 
-TEST_CASE("a sample in a lane is the sample that it would be alone") {
-  using F = WideFloat;
-  for (const std::uint64_t count : {1U, 5U, 64U, 1000U}) {
-    PixelSampler one(7, kSide, kSide, count);
-    PixelSamplerOf<F> many(7, kSide, kSide, count);
-    for (std::uint32_t first = 0; first < count; first += kWideLanes) {
-      many.start(3, 5, first, 2);
-      const UintOf<F> x = many.next_fixed();
-      const UintOf<F> y = many.next_fixed();
-      const Vec2Of<F> pair = many.next_2d();
-      many.skip(3);
-      const F single = many.next();
-      for (std::uint32_t lane = 0; lane < kWideLanes && first + lane < count; ++lane) {
-        const auto at = static_cast<int>(lane);
-        one.start(3, 5, first + lane, 2);
-        REQUIRE(one.next_fixed() == lane_of(x, at));
-        REQUIRE(one.next_fixed() == lane_of(y, at));
-        const Vec2 own = one.next_2d();
-        REQUIRE(own.x == lane_of(pair.x, at));
-        REQUIRE(own.y == lane_of(pair.y, at));
-        one.skip(3);
-        REQUIRE(one.next() == lane_of(single, at));
+/// Calls visit() for each block of `count` samples of each of a row's pixels, in two sequences of some of
+/// them and not from the first sample on in others; the sampler holds the block. All samples, in order.
+template <class Sampler, class Visit>
+std::vector<PixelSample> fill_blocks(Sampler& sampler, std::uint32_t count, Visit&& visit) {
+  std::vector<PixelSample> samples;
+  for (std::uint32_t x = 0; x < kSide; ++x) {
+    for (std::uint64_t sequence = 2; sequence < (x % 4 == 0 ? 4 : 3); ++sequence) {
+      PixelSample next{x, 9, sequence, 0};
+      if (x % 3 == 2) next.index = count / 2;
+      while (next.index < count) {
+        const std::uint32_t placed = sampler.place(next, count - next.index);
+        for (std::uint32_t i = 0; i < placed; ++i, ++next.index) samples.push_back(next);
+        if (sampler.count() < sampler.kBlock) continue;
+        visit();
+        sampler.clear();
       }
     }
+  }
+  if (sampler.count() > 0) visit();
+  return samples;
+}
+
+constexpr std::uint32_t kCounts[] = {1, 2, 3, 5, 8, 16, 24, 40, 63, 64, 65, 150};
+
+bool same(const PixelSample& a, const PixelSample& b) {
+  return a.x == b.x && a.y == b.y && a.sequence == b.sequence && a.index == b.index;
+}
+
+TEST_CASE("a sample in a block of several pixels is the sample that it would be alone") {
+  using F = WideFloat;
+  using Sampler = PixelSamplerOf<F>;
+  for (const std::uint32_t count : kCounts) {
+    INFO(count << " samples a pixel");
+    PixelSampler one(7, kSide, kSide, count);
+    Sampler many(7, kSide, kSide, count);
+    std::vector<PixelSample> visited;
+    const std::vector<PixelSample> samples = fill_blocks(many, count, [&] {
+      std::vector<PixelSample> block;
+      many.for_samples([&](std::uint32_t slot, const PixelSample& sample) {
+        REQUIRE(slot == block.size());
+        block.push_back(sample);
+      });
+      REQUIRE(block.size() == many.count());
+      // Groups take turns, and dimensions come to places that others had.
+      Sampler::Position positions[Sampler::kBlock / kWideLanes];
+      for (std::uint32_t edge = 0; edge < 40; ++edge) {
+        for (std::uint32_t first = 0; first < block.size(); first += kWideLanes) {
+          typename Sampler::Position& position = positions[first / kWideLanes];
+          if (edge == 0) {
+            many.start(first);
+          } else {
+            many.resume(position);
+          }
+          const UintOf<F> single = many.next_fixed();
+          const UintOf<F> other = many.next_fixed();
+          const Vec2Of<F> pair = many.next_2d();
+          many.skip(3);
+          position = many.position();
+          for (std::uint32_t slot = first; slot < std::min<std::size_t>(first + kWideLanes, block.size());
+               ++slot) {
+            const auto lane = static_cast<int>(slot - first);
+            start_sample(one, block[slot].x, block[slot].y, block[slot].index, block[slot].sequence);
+            one.skip(7 * edge);
+            REQUIRE(one.next_fixed() == lane_of(single, lane));
+            REQUIRE(one.next_fixed() == lane_of(other, lane));
+            const Vec2 own = one.next_2d();
+            REQUIRE(own.x == lane_of(pair.x, lane));
+            REQUIRE(own.y == lane_of(pair.y, lane));
+          }
+        }
+      }
+      visited.insert(visited.end(), block.begin(), block.end());
+    });
+    CHECK(std::equal(visited.begin(), visited.end(), samples.begin(), samples.end(), same));
   }
 }
 
 /// All samples of some pixels, in batches whose paths end at different edges.
 template <FeatureMask kFeatures>
-void check_batches(const World& world, const PathSettings& settings, std::uint64_t count) {
+void check_batches(const World& world, const PathSettings& settings, std::uint32_t count) {
   using F = WideFloat;
   using Integrator = PathIntegrator<kFeatures, F>;
   const PathIntegrator<kFeatures> reference(world, settings);
@@ -153,27 +205,22 @@ void check_batches(const World& world, const PathSettings& settings, std::uint64
   PixelSampler one(7, kSide, kSide, count);
   PixelSamplerOf<F> many(7, kSide, kSide, count);
   std::uint32_t shortest = ~0U, longest = 0;
-  for (std::uint32_t x = 0; x < kSide; ++x) {
-    for (std::uint32_t first = 0; first < count; first += batch.kCapacity) {
-      std::uint32_t visited = 0;
-      const auto in_batch = static_cast<std::uint32_t>(
-          std::min<std::uint64_t>(count - first, PathBatch<Integrator>::kCapacity));
-      batch.evaluate(many, x, 9, first, in_batch, 3,
-                     [&](std::uint32_t i, const Splat& splat, std::uint32_t dimension) {
-                       REQUIRE(i == visited++);
-                       one.start(x, 9, first + i, 3);
-                       reference.evaluate(one, [&](const Splat& expected, bool) {
-                         REQUIRE(splat.pixel == expected.pixel);
-                         REQUIRE(same_bits(splat.value, expected.value));
-                       });
-                       REQUIRE(dimension == one.dimension());
-                       shortest = std::min(shortest, dimension);
-                       longest = std::max(longest, dimension);
-                     });
-      REQUIRE(visited == in_batch);
-    }
-  }
-  CHECK(shortest + 8 < longest);
+  std::vector<PixelSample> visited;
+  const std::vector<PixelSample> samples = fill_blocks(many, count, [&] {
+    batch.evaluate(many, [&](const PixelSample& sample, const Splat& splat, std::uint32_t dimension) {
+      visited.push_back(sample);
+      start_sample(one, sample.x, sample.y, sample.index, sample.sequence);
+      reference.evaluate(one, [&](const Splat& expected, bool) {
+        REQUIRE(splat.pixel == expected.pixel);
+        REQUIRE(same_bits(splat.value, expected.value));
+      });
+      REQUIRE(dimension == one.dimension());
+      shortest = std::min(shortest, dimension);
+      longest = std::max(longest, dimension);
+    });
+  });
+  CHECK(std::equal(visited.begin(), visited.end(), samples.begin(), samples.end(), same));
+  if (samples.size() > 100) CHECK(shortest + 8 < longest);
 }
 
 TEST_CASE("a path of a batch is the path that it would be alone") {
@@ -181,7 +228,7 @@ TEST_CASE("a path of a batch is the path that it would be alone") {
   const CompiledScene plain(kPlainRoom, kSide, kSide);
   const CompiledScene open(kOpenCorner, kSide, kSide);
   constexpr FeatureMask kAll = kFeatureMaskCount - 1;
-  for (const std::uint64_t count : {1U, 5U, 40U, 64U, 150U}) {
+  for (const std::uint32_t count : kCounts) {
     INFO(count << " samples a pixel");
     check_batches<kAll>(room.world(), {12, 2}, count);
     check_batches<feature(FeatureBit::roulette)>(plain.world(), {40, 2}, count);

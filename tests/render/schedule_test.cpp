@@ -295,6 +295,32 @@ TEST_CASE("chains are left where they are when the render is stopped") {
   CHECK(mean_luminance(renderer.image()) > 0.0);
 }
 
+TEST_CASE("a stopped path tracer has whole pixels alone, though blocks of samples span several") {
+  constexpr std::uint64_t kSamples = 13;
+  const SceneDescription scene = cornell_box();
+  // More than a quarter of a second, after which the first progress report stops it.
+  const std::uint32_t side = scaled_effort(8) == 8 ? 1024 : 384;
+  RenderRequest request = small_request(IntegratorKind::path, side, kSamples, 8);
+  request.threads = 2;
+  const RenderResult full = render(scene, request);
+  Renderer renderer(scene, resolve_job(request, scene));
+  renderer.prepare();
+  StopAfter stopper;
+  const RenderStatistics statistics = renderer.run(stopper.stop, &StopAfter::progress, &stopper);
+  CHECK(statistics.partial);
+  CHECK(statistics.samples % kSamples == 0);
+  std::size_t rendered = 0, black = 0;
+  for (std::size_t i = 0; i < full.image.pixels.size(); ++i) {
+    const Vec3 value = renderer.image().pixels[i];
+    const bool is_whole = value == full.image.pixels[i];
+    rendered += is_whole ? 1 : 0;
+    black += !is_whole && is_zero(value) ? 1 : 0;
+  }
+  CHECK(rendered > 0);
+  CHECK(black > 0);
+  CHECK(rendered + black == full.image.pixels.size());
+}
+
 TEST_CASE("the bootstrap counts as progress and can be stopped") {
   RenderRequest request = small_request(IntegratorKind::pssmlt, 16, 8, 5);
   request.bootstrap = 1U << 24;
