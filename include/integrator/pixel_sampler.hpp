@@ -5,8 +5,11 @@
 // for it.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <type_traits>
 
+#include "base/assert.hpp"
 #include "integrator/sampler.hpp"
 #include "math/gather.hpp"
 #include "math/rng.hpp"
@@ -15,7 +18,7 @@
 
 namespace mlt {
 
-// The functions below take std::uint32_t or LaneUint, whose lanes they treat alike.
+// The functions below take std::uint32_t or a vector, whose lanes they treat alike.
 
 constexpr std::uint32_t swap_bytes(std::uint32_t x) {
   return __builtin_bswap32(x);
@@ -70,6 +73,9 @@ struct PixelSample {
 template <class F>
 class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   using U = UintOf<F>;
+  /// As numbers are made.
+  using Lanes = std::conditional_t<VectorType<F>, U, LaneUint>;
+  static constexpr std::uint32_t kStep = kLaneCount<Lanes>;
 
  public:
   /// Samples whose numbers are made together.
@@ -109,13 +115,15 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   /// Adds `first` and the samples after it, `count` (>= 1) in all, to a block with room for one or more;
   /// returns how many it had room for. Must be called before the block's first start().
   std::uint32_t place(const PixelSample& first, std::uint64_t count) {
+    MLT_CHECK_OP(count, >, 0U);
+    MLT_CHECK_OP(count_, <, kBlock);
     const std::uint32_t room = kBlock - count_;
     const std::uint32_t placed = count < room ? static_cast<std::uint32_t>(count) : room;
     keys_[run_count_ % 2][run_count_ / 2] = key_of(first);
     runs_[run_count_++] = {first, count_};
     // As with all arrays of the slots: what is written beyond a run's own, the next one writes later.
-    for (std::uint32_t i = 0; i < placed; i += kLanes)
-      store_lanes(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<LaneUint>() + (first.index + i)));
+    for (std::uint32_t i = 0; i < placed; i += kStep)
+      store_wide(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<Lanes>() + (first.index + i)));
     count_ += placed;
     return placed;
   }
@@ -165,11 +173,11 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   /// Dimensions that are so far apart share a place. Paths of a block go on together, so those that are asked
   /// for in turn are close.
   static constexpr std::uint32_t kRemembered = 128;
-  static_assert(kBlock % kLanes == 0 && kBlock % kLaneCount<F> == 0);
+  static_assert(kBlock % kStep == 0);
 
   enum class Kind : std::uint8_t { single, pair };
 
-  using HalfLanes __attribute__((vector_size(sizeof(LaneUint)))) = std::uint64_t;
+  using HalfLanes = typename Wide<kStep>::Uint64;
 
   /// Slots whose samples follow each other in a sequence.
   struct Run {
@@ -179,7 +187,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   /// A dimension of a block of samples, or a pair of them.
   struct Samples {
-    alignas(sizeof(LaneUint)) std::uint32_t first[kBlock];
+    alignas(sizeof(Lanes)) std::uint32_t first[kBlock];
     std::uint32_t second[kBlock];  ///< of a pair
     std::uint64_t tag = 0;         ///< tells the block, the dimension and the kind
   };
@@ -190,19 +198,19 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     Bits shuffle, first, second;
   };
   struct SeedArrays {
-    std::uint32_t shuffle[kBlock + kLanes], first[kBlock + kLanes], second[kBlock + kLanes];
+    std::uint32_t shuffle[kBlock + kStep], first[kBlock + kStep], second[kBlock + kStep];
 
-    MLT_INLINE void store(std::uint32_t at, const Seeds<LaneUint>& seeds) {
-      store_lanes(shuffle + at, seeds.shuffle);
-      store_lanes(first + at, seeds.first);
-      store_lanes(second + at, seeds.second);
+    MLT_INLINE void store(std::uint32_t at, const Seeds<Lanes>& seeds) {
+      store_wide(shuffle + at, seeds.shuffle);
+      store_wide(first + at, seeds.first);
+      store_wide(second + at, seeds.second);
     }
-    MLT_INLINE Seeds<LaneUint> load(std::uint32_t at) const {
-      return {load_lanes(shuffle + at), load_lanes(first + at), load_lanes(second + at)};
+    MLT_INLINE Seeds<Lanes> load(std::uint32_t at) const {
+      return {load_wide<Lanes>(shuffle + at), load_wide<Lanes>(first + at), load_wide<Lanes>(second + at)};
     }
-    MLT_INLINE Seeds<LaneUint> broadcast(std::uint32_t at) const {
-      return {broadcast_bits<LaneUint>(shuffle[at]), broadcast_bits<LaneUint>(first[at]),
-              broadcast_bits<LaneUint>(second[at])};
+    MLT_INLINE Seeds<Lanes> broadcast(std::uint32_t at) const {
+      return {broadcast_bits<Lanes>(shuffle[at]), broadcast_bits<Lanes>(first[at]),
+              broadcast_bits<Lanes>(second[at])};
     }
   };
 
@@ -217,8 +225,9 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     return gather_bytes<F>(samples, position_.slots * 4U);
   }
 
+  /// Of fewer than 2^15 dimensions; paths have some thousand at most.
   std::uint64_t tag_of(std::uint32_t dimension, Kind kind) const {
-    return block_stamp_ << 32 | std::uint64_t{dimension} << 1 | static_cast<std::uint64_t>(kind);
+    return block_stamp_ << 16 | dimension << 1 | static_cast<std::uint64_t>(kind);
   }
 
   MLT_INLINE const Samples& samples_of(std::uint32_t dimension, Kind kind) {
@@ -240,10 +249,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   }
 
   /// Slots that are filled, and those that start together with the last of them.
-  std::uint32_t used() const {
-    constexpr std::uint32_t kStep = kLaneCount < F >> kLanes ? kLaneCount<F> : kLanes;
-    return (count_ + kStep - 1) / kStep * kStep;
-  }
+  std::uint32_t used() const { return (count_ + kStep - 1) / kStep * kStep; }
 
   static constexpr std::uint64_t kNumberFactor = 0x9e3779b97f4a7c15ULL;
 
@@ -256,19 +262,19 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   }
 
   /// Of `run`, an even number, and those after it, one in each lane.
-  MLT_INLINE Seeds<LaneUint> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
+  MLT_INLINE Seeds<Lanes> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
     constexpr std::uint64_t kLow = 0xffffffffU;
     const auto low = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
-      return std::bit_cast<LaneUint>((even & kLow) | (odd << 32));
+      return std::bit_cast<Lanes>((even & kLow) | (odd << 32));
     };
     const auto high = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
-      return std::bit_cast<LaneUint>((even >> 32) | (odd & ~kLow));
+      return std::bit_cast<Lanes>((even >> 32) | (odd & ~kLow));
     };
     const std::uint64_t offset = kNumberFactor * number;
     HalfLanes even = mix64(load_wide<HalfLanes>(keys_[0] + run / 2) + offset);
     HalfLanes odd = mix64(load_wide<HalfLanes>(keys_[1] + run / 2) + offset);
-    const LaneUint shuffle = low(even, odd);
-    if (kind == Kind::single) return {shuffle, high(even, odd), LaneUint{}};
+    const Lanes shuffle = low(even, odd);
+    if (kind == Kind::single) return {shuffle, high(even, odd), Lanes{}};
     even = mix64(even);
     odd = mix64(odd);
     return {shuffle, low(even, odd), high(even, odd)};
@@ -280,12 +286,12 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
       const auto seeds = seeds_of_run(number, kind);
       return compute_slots(samples, kind, [&](std::uint32_t) { return seeds; });
     }
-    for (std::uint32_t r = 0; r < run_count_; r += kLanes)
+    for (std::uint32_t r = 0; r < run_count_; r += kStep)
       seeds_of_runs_.store(r, seeds_of_runs(r, number, kind));
     if (run_count_ < count_) {
       for (std::uint32_t r = 0; r < run_count_; ++r) {
         const auto seeds = seeds_of_runs_.broadcast(r);
-        for (std::uint32_t i = runs_[r].slot; i < end_of(r); i += kLanes) seeds_of_slots_.store(i, seeds);
+        for (std::uint32_t i = runs_[r].slot; i < end_of(r); i += kStep) seeds_of_slots_.store(i, seeds);
       }
     }
     const SeedArrays& seeds = run_count_ < count_ ? seeds_of_slots_ : seeds_of_runs_;
@@ -294,13 +300,13 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   template <class SeedsAt>
   MLT_INLINE void compute_slots(Samples& samples, Kind kind, SeedsAt&& seeds_at) const {
-    for (std::uint32_t i = 0, end = used(); i < end; i += kLanes) {
+    for (std::uint32_t i = 0, end = used(); i < end; i += kStep) {
       const auto seeds = seeds_at(i);
-      const LaneUint shuffled = laine_karras(load_lanes(reversed_samples_ + i), seeds.shuffle);
-      const LaneUint index = reverse_bits(shuffled) & index_mask_;
-      store_lanes(samples.first + i, reverse_bits(laine_karras(index, seeds.first)));
+      const Lanes shuffled = laine_karras(load_wide<Lanes>(reversed_samples_ + i), seeds.shuffle);
+      const Lanes index = reverse_bits(shuffled) & index_mask_;
+      store_wide(samples.first + i, reverse_bits(laine_karras(index, seeds.first)));
       if (kind == Kind::single) continue;
-      store_lanes(samples.second + i, reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
+      store_wide(samples.second + i, reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
     }
   }
 
@@ -352,7 +358,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint64_t block_stamp_ = 1;            ///< number of the block
   Position position_;
   Run runs_[kBlock];
-  alignas(sizeof(LaneUint)) std::uint32_t reversed_samples_[kBlock + kLanes] = {};
+  alignas(sizeof(Lanes)) std::uint32_t reversed_samples_[kBlock + kStep] = {};
   std::uint64_t keys_[2][kBlock / 2] = {};  ///< hashes of the sequences of runs of even and odd number
   SeedArrays seeds_of_runs_ = {}, seeds_of_slots_ = {};
   Samples remembered_[kRemembered];

@@ -20,6 +20,7 @@ struct Wide {
   using Float __attribute__((vector_size(kCount * sizeof(float)))) = float;
   using Mask __attribute__((vector_size(kCount * sizeof(float)))) = std::int32_t;
   using Uint __attribute__((vector_size(kCount * sizeof(float)))) = std::uint32_t;
+  using Uint64 __attribute__((vector_size(kCount * sizeof(float)))) = std::uint64_t;  ///< half as many
 };
 
 template <>
@@ -319,6 +320,10 @@ MLT_INLINE V load_wide(const T* values) {
   V wide;
   std::memcpy(&wide, values, sizeof(V));
   return wide;
+}
+template <VectorType V, class T>
+MLT_INLINE void store_wide(T* values, const V& wide) {
+  std::memcpy(values, &wide, sizeof(V));
 }
 
 }  // namespace mlt
