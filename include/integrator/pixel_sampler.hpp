@@ -5,8 +5,11 @@
 // for it.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <type_traits>
 
+#include "base/assert.hpp"
 #include "integrator/sampler.hpp"
 #include "math/gather.hpp"
 #include "math/reverse_bits.hpp"
@@ -16,7 +19,7 @@
 
 namespace mlt {
 
-// The functions below take std::uint32_t or integers in lanes, which they treat alike.
+// The functions below take std::uint32_t or a vector, whose lanes they treat alike.
 
 /// Hash in which each bit is influenced by lower bits only [Laine11]; on bit-reversed numbers it is an Owen
 /// scramble. The constants are those of [Vegdahl21], which pass its statistical comparison with true
@@ -54,6 +57,9 @@ struct PixelSample {
 template <class F>
 class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   using U = UintOf<F>;
+  /// As numbers are made.
+  using Lanes = std::conditional_t<VectorType<F>, U, LaneUint>;
+  static constexpr std::uint32_t kStep = kLaneCount<Lanes>;
 
  public:
   /// Samples whose numbers are made together.
@@ -93,13 +99,15 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   /// Adds `first` and the samples after it, `count` (>= 1) in all, to a block with room for one or more;
   /// returns how many it had room for. Must be called before the block's first start().
   std::uint32_t place(const PixelSample& first, std::uint64_t count) {
+    MLT_CHECK_OP(count, >, 0U);
+    MLT_CHECK_OP(count_, <, kBlock);
     const std::uint32_t room = kBlock - count_;
     const std::uint32_t placed = count < room ? static_cast<std::uint32_t>(count) : room;
     keys_[run_count_ % 2][run_count_ / 2] = key_of(first);
     runs_[run_count_++] = {first, count_};
     // As with all arrays of the slots: what is written beyond a run's own, the next one writes later.
     for (std::uint32_t i = 0; i < placed; i += kStep)
-      store_wide(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<Step>() + (first.index + i)));
+      store_wide(reversed_samples_ + count_ + i, reverse_bits(lane_numbers<Lanes>() + (first.index + i)));
     count_ += placed;
     return placed;
   }
@@ -149,9 +157,6 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   /// Dimensions that are so far apart share a place. Paths of a block go on together, so those that are asked
   /// for in turn are close.
   static constexpr std::uint32_t kRemembered = 128;
-  /// Numbers that are made at a time.
-  using Step = std::conditional_t<(sizeof(F) > sizeof(LaneUint)), U, LaneUint>;
-  static constexpr std::uint32_t kStep = sizeof(Step) / 4;
   static_assert(kBlock % kStep == 0);
 
   enum class Kind : std::uint8_t { single, pair };
@@ -166,7 +171,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   /// A dimension of a block of samples, or a pair of them.
   struct Samples {
-    alignas(64) std::uint32_t first[kBlock];
+    alignas(sizeof(Lanes)) std::uint32_t first[kBlock];
     std::uint32_t second[kBlock];  ///< of a pair
     std::uint64_t tag = 0;         ///< tells the block, the dimension and the kind
   };
@@ -179,17 +184,17 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   struct SeedArrays {
     std::uint32_t shuffle[kBlock + kStep], first[kBlock + kStep], second[kBlock + kStep];
 
-    MLT_INLINE void store(std::uint32_t at, const Seeds<Step>& seeds) {
+    MLT_INLINE void store(std::uint32_t at, const Seeds<Lanes>& seeds) {
       store_wide(shuffle + at, seeds.shuffle);
       store_wide(first + at, seeds.first);
       store_wide(second + at, seeds.second);
     }
-    MLT_INLINE Seeds<Step> load(std::uint32_t at) const {
-      return {load_wide<Step>(shuffle + at), load_wide<Step>(first + at), load_wide<Step>(second + at)};
+    MLT_INLINE Seeds<Lanes> load(std::uint32_t at) const {
+      return {load_wide<Lanes>(shuffle + at), load_wide<Lanes>(first + at), load_wide<Lanes>(second + at)};
     }
-    MLT_INLINE Seeds<Step> broadcast(std::uint32_t at) const {
-      return {broadcast_bits<Step>(shuffle[at]), broadcast_bits<Step>(first[at]),
-              broadcast_bits<Step>(second[at])};
+    MLT_INLINE Seeds<Lanes> broadcast(std::uint32_t at) const {
+      return {broadcast_bits<Lanes>(shuffle[at]), broadcast_bits<Lanes>(first[at]),
+              broadcast_bits<Lanes>(second[at])};
     }
   };
 
@@ -204,8 +209,9 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     return gather_bytes<F>(samples, position_.slots * 4U);
   }
 
+  /// Of fewer than 2^15 dimensions; paths have some thousand at most.
   std::uint64_t tag_of(std::uint32_t dimension, Kind kind) const {
-    return block_stamp_ << 32 | std::uint64_t{dimension} << 1 | static_cast<std::uint64_t>(kind);
+    return block_stamp_ << 16 | dimension << 1 | static_cast<std::uint64_t>(kind);
   }
 
   MLT_INLINE const Samples& samples_of(std::uint32_t dimension, Kind kind) {
@@ -240,19 +246,19 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   }
 
   /// Of `run`, an even number, and those after it, one in each lane.
-  MLT_INLINE Seeds<Step> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
+  MLT_INLINE Seeds<Lanes> seeds_of_runs(std::uint32_t run, std::uint32_t number, Kind kind) const {
     constexpr std::uint64_t kLow = 0xffffffffU;
     const auto low = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
-      return std::bit_cast<Step>((even & kLow) | (odd << 32));
+      return std::bit_cast<Lanes>((even & kLow) | (odd << 32));
     };
     const auto high = [](HalfLanes even, HalfLanes odd) __attribute__((always_inline)) {
-      return std::bit_cast<Step>((even >> 32) | (odd & ~kLow));
+      return std::bit_cast<Lanes>((even >> 32) | (odd & ~kLow));
     };
     const std::uint64_t offset = kNumberFactor * number;
     HalfLanes even = mix64(load_wide<HalfLanes>(keys_[0] + run / 2) + offset);
     HalfLanes odd = mix64(load_wide<HalfLanes>(keys_[1] + run / 2) + offset);
-    const Step shuffle = low(even, odd);
-    if (kind == Kind::single) return {shuffle, high(even, odd), Step{}};
+    const Lanes shuffle = low(even, odd);
+    if (kind == Kind::single) return {shuffle, high(even, odd), Lanes{}};
     even = mix64(even);
     odd = mix64(odd);
     return {shuffle, low(even, odd), high(even, odd)};
@@ -280,8 +286,8 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   MLT_INLINE void compute_slots(Samples& samples, Kind kind, SeedsAt&& seeds_at) const {
     for (std::uint32_t i = 0, end = used(); i < end; i += kStep) {
       const auto seeds = seeds_at(i);
-      const Step shuffled = laine_karras(load_wide<Step>(reversed_samples_ + i), seeds.shuffle);
-      const Step index = reverse_bits(shuffled) & index_mask_;
+      const Lanes shuffled = laine_karras(load_wide<Lanes>(reversed_samples_ + i), seeds.shuffle);
+      const Lanes index = reverse_bits(shuffled) & index_mask_;
       store_wide(samples.first + i, reverse_bits(laine_karras(index, seeds.first)));
       if (kind == Kind::single) continue;
       store_wide(samples.second + i, reverse_bits(laine_karras(reversed_sobol_second(index), seeds.second)));
@@ -336,7 +342,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
   std::uint64_t block_stamp_ = 1;            ///< number of the block
   Position position_;
   Run runs_[kBlock];
-  alignas(64) std::uint32_t reversed_samples_[kBlock + kStep] = {};
+  alignas(sizeof(Lanes)) std::uint32_t reversed_samples_[kBlock + kStep] = {};
   std::uint64_t keys_[2][kBlock / 2] = {};  ///< hashes of the sequences of runs of even and odd number
   SeedArrays seeds_of_runs_ = {}, seeds_of_slots_ = {};
   Samples remembered_[kRemembered];

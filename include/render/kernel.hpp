@@ -93,7 +93,7 @@ constexpr std::uint32_t tile_count(std::uint32_t side) {
 struct Kernel {
   std::uint32_t (*primary_sample_capacity)(std::uint32_t depth) = nullptr;
   std::uint32_t max_splats = 0;  ///< of one path
-  std::uint32_t lanes = 0;       ///< chains, or samples of a pixel, that are advanced together
+  std::uint32_t lanes = 0;       ///< chains, or samples, that are advanced together
   std::size_t sample_bytes = 0;  ///< of one dimension in all lanes
   std::size_t saved_bytes = 0;   ///< of what a proposal overwrote of it
   void (*bootstrap_chunk)(void* storage, std::uint32_t worker, std::uint64_t chunk) = nullptr;

@@ -86,6 +86,7 @@ RenderJob chain_job(const SceneDescription& scene, const RenderRequest& request,
   job.chains = pilot_chains(job.mutations);
   job.bootstrap = job.mutations / kBootstrapShare;
   job.hash_film = false;
+  job.estimate_error = false;
   return job;
 }
 

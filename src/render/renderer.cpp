@@ -57,6 +57,7 @@ struct Renderer::State {
   void render_path();
   void collect_path();
   bool wants_another_round();
+  bool has_parts() const;
   EstimateContext error_context() const;
   void estimate();
   static void report_progress(void* state);
@@ -251,9 +252,15 @@ EstimateContext Renderer::State::error_context() const {
   return context;
 }
 
+/// Whether the film is whole and has two halves to compare.
+bool Renderer::State::has_parts() const {
+  if (statistics.partial) return false;
+  return plan.is_metropolis() ? plan.job.chains > 1 && normalisation.mutations > 0
+                              : plan.job.samples_per_pixel >= 2;
+}
+
 void Renderer::State::estimate() {
-  const bool has_parts = plan.is_metropolis() ? plan.job.chains > 1 : plan.job.samples_per_pixel >= 2;
-  if (!has_parts || statistics.partial || (plan.is_metropolis() && normalisation.mutations == 0)) return;
+  if (!plan.job.estimate_error || !has_parts()) return;
   EstimateContext context = error_context();
   pool.run(Phase{"estimate", &estimate_unit, &context, plan.pixel_units(), false}, *stop, nullptr, nullptr);
   statistics.error = estimate_error(storage.error_blocks, plan.pixel_count());
@@ -370,7 +377,8 @@ ImageBuffer Renderer::standard_errors() const {
 ImageBuffer Renderer::variances() const {
   const State& state = *state_;
   ImageBuffer image{state.plan.job.width, state.plan.job.height, std::vector<Vec3>(state.plan.pixel_count())};
-  if (!state.statistics.error.known) return image;
+  const bool is_known = state.plan.is_metropolis() ? state.has_parts() : state.statistics.error.known;
+  if (!is_known) return image;
   const EstimateContext context = state.error_context();
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     const PixelDifferences pixel = differences_of(context, i);
