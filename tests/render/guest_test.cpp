@@ -113,4 +113,23 @@ TEST_CASE("a job may go without its film's hash") {
   }
 }
 
+TEST_CASE("a job may go without its error's estimate, and chains know their variances all the same") {
+  const SceneDescription box = parse_scene_file("scenes/CornellBox.txt");
+  for (const IntegratorKind kind : kKinds) {
+    CAPTURE(name_of(kind));
+    RenderJob job = job_of(box, kind, 1);
+    Renderer with(box, job);
+    with.prepare();
+    const Outcome expected = run(with);
+    REQUIRE(expected.statistics.error.known);
+    job.estimate_error = false;
+    Renderer without(box, job);
+    without.prepare();
+    const Outcome found = run(without);
+    CHECK_FALSE(found.statistics.error.known);
+    CHECK(found.statistics.film_hash == expected.statistics.film_hash);
+    if (kind == IntegratorKind::pssmlt) CHECK(found.variances == expected.variances);
+  }
+}
+
 }  // namespace mlt::test
