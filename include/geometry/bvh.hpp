@@ -1,9 +1,10 @@
-// A bounding volume hierarchy with kLanes children per node and one block of primitives per leaf, and its two
-// traversals. Built by bvh_builder.hpp. Boxes are exact; the ray carries the padding that makes the test
+// A bounding volume hierarchy with kLanes children per node and one block of primitives per leaf, and two
+// ways through it. Built by bvh_builder.hpp. Boxes are exact; the ray carries the padding that makes the test
 // conservative (ray_frame.hpp).
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -50,78 +51,119 @@ MLT_INLINE unsigned entered_boxes(const LaneFloat (&planes)[3][2], const RayFram
   return lane_bits(entry <= exit);
 }
 
-/// Calls visit(block index) -> new limit for the leaves near enough, roughly from near to far. `limit` is the
-/// distance beyond which hits do not matter; boxes entered exactly there are still visited.
-template <class Visit>
-MLT_INLINE void traverse_closest(const BvhNode* nodes, const RayFrame& ray, float limit, Visit&& visit) {
+/// Whether a way through a hierarchy asks for memory before the step that reads it, which helps where other
+/// rays take their turns in between.
+enum class Fetch : bool { when_read, ahead };
+
+/// A node or a leaf that is to be visited next.
+template <class Block>
+MLT_INLINE void fetch(const Bvh<Block>& bvh, std::uint32_t child) {
+  const void* place = (child & kLeafBit) != 0 ? static_cast<const void*>(bvh.blocks + (child & ~kLeafBit))
+                                              : static_cast<const void*>(bvh.nodes + child);
+  constexpr std::size_t kLine = 64;
+  for (std::size_t at = 0; at < sizeof(BvhNode); at += kLine)
+    __builtin_prefetch(static_cast<const std::byte*>(place) + at);
+}
+
+/// A ray's way to its closest hit, from the root on, in steps.
+class ClosestWalk {
+ public:
+  /// Leaves the stack's places as they are, which {} alone would clear.
+  MLT_INLINE ClosestWalk() {}
+
+  /// Visits a node or a leaf, the latter by visit(block index) -> new limit, roughly from near to far; false
+  /// after the last. `limit` is the distance beyond which hits do not matter; boxes entered exactly there are
+  /// still visited.
+  template <Fetch kFetch, class Block, class Visit>
+  MLT_INLINE bool step(const Bvh<Block>& bvh, const RayFrame& ray, float limit, Visit&& visit) {
+    if ((child_ & kLeafBit) != 0) {
+      limit = visit(child_ & ~kLeafBit);
+    } else {
+      LaneFloat entry;
+      const BvhNode& node = bvh.nodes[child_];
+      // Needed once it is known which boxes are entered; its cache line can come at the same time as theirs.
+      if constexpr (kFetch == Fetch::when_read) __builtin_prefetch(node.children);
+      const unsigned bits = entered_boxes(node.planes, ray, broadcast(limit), entry);
+      if (bits != 0) {
+        if ((bits & (bits - 1)) == 0) {  // most often
+          child_ = node.children[std::countr_zero(bits)];
+          if constexpr (kFetch == Fetch::ahead) fetch(bvh, child_);
+          return true;
+        }
+        push(node.children, entry, bits);
+      }
+    }
+    do {
+      if (size_ == 0) return false;
+      --size_;
+    } while (stack_[size_].distance > limit);
+    child_ = stack_[size_].child;
+    if constexpr (kFetch == Fetch::ahead) fetch(bvh, child_);
+    return true;
+  }
+
+ private:
   struct Entry {
     std::uint32_t child;
     float distance;
   };
-  Entry stack[kTraversalStack];
-  int size = 0;
-  std::uint32_t child = 0;
-  for (;;) {
-    if ((child & kLeafBit) != 0) {
-      limit = visit(child & ~kLeafBit);
-    } else {
-      LaneFloat entry;
-      const std::uint32_t* children = nodes[child].children;
-      // Needed once it is known which boxes are entered; its cache line can come at the same time as theirs.
-      __builtin_prefetch(children);
-      unsigned bits = entered_boxes(nodes[child].planes, ray, broadcast(limit), entry);
-      if (bits != 0) {
-        if ((bits & (bits - 1)) == 0) {  // most often
-          child = children[std::countr_zero(bits)];
-          continue;
-        }
-        const int base = size;
-        do {
-          const int lane = take_lowest(bits);
-          // Insertion keeps the children of this node sorted, the nearest on top.
-          const Entry added{children[lane], entry[lane]};
-          int place = size++;
-          for (; place > base && stack[place - 1].distance < added.distance; --place) {
-            stack[place] = stack[place - 1];
-          }
-          stack[place] = added;
-        } while (bits != 0);
-      }
-    }
-    do {
-      if (size == 0) return;
-      --size;
-    } while (stack[size].distance > limit);
-    child = stack[size].child;
-  }
-}
 
-/// Calls visit(block index) -> bool for the leaves within reach, in no particular order, until one says true;
-/// returns whether one did.
-template <class Visit>
-MLT_INLINE bool traverse_any(const BvhNode* nodes, const RayFrame& ray, float limit, Visit&& visit) {
-  std::uint32_t stack[kTraversalStack];
-  int size = 0;
-  const LaneFloat limits = broadcast(limit);
-  std::uint32_t child = 0;
-  for (;;) {
-    if ((child & kLeafBit) != 0) {
-      if (visit(child & ~kLeafBit)) return true;
+  MLT_INLINE void push(const std::uint32_t* children, const LaneFloat& entry, unsigned bits) {
+    const int base = size_;
+    do {
+      const int lane = take_lowest(bits);
+      // Insertion keeps the children of this node sorted, the nearest on top.
+      const Entry added{children[lane], entry[lane]};
+      int place = size_++;
+      for (; place > base && stack_[place - 1].distance < added.distance; --place) {
+        stack_[place] = stack_[place - 1];
+      }
+      stack_[place] = added;
+    } while (bits != 0);
+  }
+
+  std::uint32_t child_ = 0;
+  int size_ = 0;
+  Entry stack_[kTraversalStack];
+};
+
+/// A ray's way to anything that blocks it, from the root on, in steps.
+class AnyWalk {
+ public:
+  /// As that of ClosestWalk.
+  MLT_INLINE AnyWalk() {}
+
+  enum class Step : std::uint8_t { goes_on, found, ended };
+
+  /// Visits a node or a leaf within reach, the latter by visit(block index) -> whether it blocks the ray, in
+  /// no particular order.
+  template <Fetch kFetch, class Block, class Visit>
+  MLT_INLINE Step step(const Bvh<Block>& bvh, const RayFrame& ray, LaneFloat limit, Visit&& visit) {
+    if ((child_ & kLeafBit) != 0) {
+      if (visit(child_ & ~kLeafBit)) return Step::found;
     } else {
       LaneFloat entry;
-      const std::uint32_t* children = nodes[child].children;
-      __builtin_prefetch(children);
-      unsigned bits = entered_boxes(nodes[child].planes, ray, limits, entry);
+      const std::uint32_t* children = bvh.nodes[child_].children;
+      if constexpr (kFetch == Fetch::when_read) __builtin_prefetch(children);
+      unsigned bits = entered_boxes(bvh.nodes[child_].planes, ray, limit, entry);
       if (bits != 0) {
         // The last one need not pass through memory.
-        while ((bits & (bits - 1)) != 0) stack[size++] = children[take_lowest(bits)];
-        child = children[std::countr_zero(bits)];
-        continue;
+        while ((bits & (bits - 1)) != 0) stack_[size_++] = children[take_lowest(bits)];
+        child_ = children[std::countr_zero(bits)];
+        if constexpr (kFetch == Fetch::ahead) fetch(bvh, child_);
+        return Step::goes_on;
       }
     }
-    if (size == 0) return false;
-    child = stack[--size];
+    if (size_ == 0) return Step::ended;
+    child_ = stack_[--size_];
+    if constexpr (kFetch == Fetch::ahead) fetch(bvh, child_);
+    return Step::goes_on;
   }
-}
+
+ private:
+  std::uint32_t child_ = 0;
+  int size_ = 0;
+  std::uint32_t stack_[kTraversalStack];
+};
 
 }  // namespace mlt

@@ -16,6 +16,7 @@
 #include "geometry/ray.hpp"
 #include "geometry/shapes.hpp"
 #include "geometry/sphere.hpp"
+#include "geometry/turns.hpp"
 #include "geometry/triangle_block.hpp"
 
 namespace mlt {
@@ -73,6 +74,8 @@ struct PrimitiveList {
   const Block* blocks = nullptr;
   std::uint32_t block_count = 0;
   const BvhNode* nodes = nullptr;
+
+  Bvh<Block> hierarchy() const { return {nodes, blocks}; }
 };
 
 class Geometry {
@@ -117,6 +120,15 @@ class Geometry {
   float extent() const { return extent_; }
 
  private:
+  bool takes_turns() const {
+    return triangles_.nodes != nullptr && first_sphere_ - first_in_triangles_ >= kLeastForTurns;
+  }
+  template <class F>
+  void intersect_in_turns(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;
+  template <class F>
+  MaskOf<F> occluded_in_turns(const LaneRays<F>& rays, const UintOf<F>& targets,
+                              const MaskOf<F>& active) const;
+
   std::span<const FlatList> flat_lists_;
   PrimitiveList<QuadBlock> quads_;
   PrimitiveList<TriangleBlock> triangles_;

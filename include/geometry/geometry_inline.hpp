@@ -3,6 +3,7 @@
 
 #include "geometry/geometry.hpp"
 #include "geometry/surface.hpp"
+#include "geometry/turns.hpp"
 #include "geometry/wide_flat.hpp"
 
 namespace mlt {
@@ -101,16 +102,24 @@ struct BestHit {
     for (std::uint32_t i = 0; i < list.block_count; ++i) visit(list.blocks[i], i, ray);
   }
 
+  template <Fetch kFetch, class Block>
+  MLT_INLINE bool step(ClosestWalk& walk, const PrimitiveList<Block>& list, const RayFrame& ray) {
+    return walk.step<kFetch>(
+        list.hierarchy(), ray, limit, [&](std::uint32_t block) __attribute__((always_inline)) {
+          visit(list.blocks[block], block, ray);
+          return limit;
+        });
+  }
+
   template <class Block>
   MLT_INLINE void visit_list(const PrimitiveList<Block>& list, const RayFrame& ray) {
     if (list.nodes == nullptr) {
       visit_blocks(list, ray);
       return;
     }
-    traverse_closest(list.nodes, ray, limit, [&](std::uint32_t block) {
-      visit(list.blocks[block], block, ray);
-      return limit;
-    });
+    ClosestWalk walk;
+    while (step<Fetch::when_read>(walk, list, ray)) {
+    }
   }
 };
 
@@ -159,13 +168,24 @@ MLT_INLINE bool blocks_occluded(const PrimitiveList<Block>& list, const RayFrame
   return false;
 }
 
+template <Fetch kFetch, class Block>
+MLT_INLINE AnyWalk::Step step_to_any(AnyWalk& walk, const PrimitiveList<Block>& list, const RayFrame& ray,
+                                     LaneFloat limit, std::uint32_t target) {
+  return walk.step<kFetch>(
+      list.hierarchy(), ray, limit, [&](std::uint32_t block) __attribute__((always_inline)) {
+        return blocks_ray(list.blocks[block], ray, limit, target);
+      });
+}
+
 template <class Block>
 MLT_INLINE bool list_occluded(const PrimitiveList<Block>& list, const RayFrame& ray, LaneFloat limit,
                               std::uint32_t target) {
   if (list.nodes == nullptr) return blocks_occluded(list, ray, limit, target);
-  return traverse_any(list.nodes, ray, limit[0], [&](std::uint32_t block) {
-    return blocks_ray(list.blocks[block], ray, limit, target);
-  });
+  AnyWalk walk;
+  for (;;) {
+    const AnyWalk::Step step = step_to_any<Fetch::when_read>(walk, list, ray, limit, target);
+    if (step != AnyWalk::Step::goes_on) return step == AnyWalk::Step::found;
+  }
 }
 
 template <bool kGeneral>
@@ -223,19 +243,77 @@ template <bool kGeneral>
   return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
 }
 
-/// Rays one by one. All are written before the first is traced: what reads a ray by vectors would wait for
-/// what was just written by components.
+/// The closest hits of rays of which each has a way through the hierarchy of triangles, in turns. What else
+/// there is comes first.
 template <class F>
-class LaneRays {
- public:
-  MLT_INLINE LaneRays(const RayOf<F>& ray, const MaskOf<F>& active) {
-    for_lanes(active, [&](int lane) { rays_[lane] = lane_of(ray, lane); });
-  }
-  MLT_INLINE const Ray& operator[](int lane) const { return rays_[lane]; }
+MLT_NOINLINE void Geometry::intersect_in_turns(const LaneRays<F>& rays, const MaskOf<F>& active,
+                                               HitOf<F>& hits) const {
+  struct Way {
+    int lane;
+    RayFrame frame;
+    BestHit best;
+    ClosestWalk walk{};
+  };
+  take_turns<Way>(
+      lanes_of(active),
+      [&](std::byte* place, int lane) {
+        const Ray& ray = rays[lane];
+        const RayLanes lanes(ray);
+        Way* way = new (place) Way{lane, RayFrame(ray, lanes, extent_), BestHit(ray.t_max)};
+        for (const FlatList& list : flat_lists_) {
+          way->best.visit_flat(list, FlatRay(ray, lanes, extent_), ray, way->frame.shear, way->frame.slabs);
+        }
+        way->best.visit_list(spheres_, way->frame);
+        way->best.visit_list(quads_, way->frame);
+        return way;
+      },
+      [&](Way & way) __attribute__((always_inline)) {
+        if (way.best.template step<Fetch::ahead>(way.walk, triangles_, way.frame)) return true;
+        set_lane_of(hits, way.lane, way.best.hit);
+        return false;
+      });
+}
 
- private:
-  Ray rays_[kLaneCount<F>];
-};
+/// Which rays are blocked, likewise.
+template <class F>
+MLT_NOINLINE MaskOf<F> Geometry::occluded_in_turns(const LaneRays<F>& rays, const UintOf<F>& targets,
+                                                   const MaskOf<F>& active) const {
+  struct Way {
+    int lane;
+    std::uint32_t target;
+    bool blocked;
+    RayFrame frame;
+    LaneFloat limit;
+    AnyWalk walk{};
+  };
+  MaskOf<F> blocked{};
+  take_turns<Way>(
+      lanes_of(active),
+      [&](std::byte* place, int lane) {
+        const Ray& ray = rays[lane];
+        const std::uint32_t target = lane_of(targets, lane);
+        const RayLanes lanes(ray);
+        Way* way = new (place) Way{lane, target, false, RayFrame(ray, lanes, extent_), broadcast(ray.t_max)};
+        for (const FlatList& list : flat_lists_) {
+          way->blocked |= flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_, target);
+        }
+        // A sphere can hide its own far side.
+        way->blocked = way->blocked || list_occluded(quads_, way->frame, way->limit, target) ||
+                       list_occluded(spheres_, way->frame, way->limit, kNoPrimitive);
+        return way;
+      },
+      [&](Way & way) __attribute__((always_inline)) {
+        if (!way.blocked) {
+          const AnyWalk::Step step =
+              step_to_any<Fetch::ahead>(way.walk, triangles_, way.frame, way.limit, way.target);
+          if (step == AnyWalk::Step::goes_on) return true;
+          way.blocked = step == AnyWalk::Step::found;
+        }
+        if (way.blocked) set_lane_of(blocked, way.lane, kLaneTrue<F>);
+        return false;
+      });
+  return blocked;
+}
 
 template <bool kGeneral, class F>
 MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves,
@@ -247,6 +325,12 @@ MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintO
   }
   if (!any(alone)) return hits;
   const LaneRays<F> rays(ray, alone);
+  if constexpr (kGeneral && VectorType<F>) {
+    if (takes_turns()) {
+      intersect_in_turns<F>(rays, alone, hits);
+      return hits;
+    }
+  }
   for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(rays[lane])); });
   return hits;
 }
@@ -263,6 +347,9 @@ MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const Segme
   }
   if (!any(alone)) return blocked;
   const LaneRays<F> rays(ray, alone);
+  if constexpr (kGeneral && VectorType<F>) {
+    if (takes_turns()) return occluded_in_turns<F>(rays, ends.target, alone);
+  }
   for_lanes(alone, [&](int lane) {
     if (occluded<kGeneral>(rays[lane], lane_of(ends.target, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);
   });
