@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "base/sha256_compress.hpp"
+
 namespace mlt {
 namespace {
 
@@ -46,6 +48,28 @@ TEST_CASE("SHA-256 does not depend on how the bytes are cut into updates") {
       hash.update(text.data() + first + second, text.size() - first - second);
       REQUIRE(to_hex(hash.finish()) == whole);
     }
+  }
+}
+
+TEST_CASE("the processor's instructions for SHA-256 do what the portable code does") {
+  const Sha256Compress by_instructions = sha256_by_instructions();
+  if (by_instructions == nullptr) {
+    WARN("this processor has none");
+    return;
+  }
+  // Random blocks, and states that follow from them.
+  Sha256State portable{1, 2, 3, 4, 5, 6, 7, 8};
+  Sha256State instructed = portable;
+  std::uint8_t block[Sha256::kBlockBytes];
+  std::uint32_t number = 1;
+  for (int i = 0; i < 1000; ++i) {
+    for (std::uint8_t& byte : block) {
+      number = number * 1664525U + 1013904223U;
+      byte = static_cast<std::uint8_t>(number >> 24);
+    }
+    compress_sha256_portably(portable, block);
+    by_instructions(instructed, block);
+    REQUIRE(instructed == portable);
   }
 }
 
