@@ -16,8 +16,8 @@
 #include "geometry/ray.hpp"
 #include "geometry/shapes.hpp"
 #include "geometry/sphere.hpp"
-#include "geometry/turns.hpp"
 #include "geometry/triangle_block.hpp"
+#include "geometry/turns.hpp"
 
 namespace mlt {
 
