@@ -15,7 +15,11 @@ namespace {
 /// Four words of the message schedule from the 16 before them.
 MLT_SHA inline __m128i next_words(__m128i oldest, __m128i second, __m128i third, __m128i newest) {
   const __m128i partial = _mm_sha256msg1_epu32(oldest, second);
-  const __m128i seventh_last = _mm_alignr_epi8(newest, third, 4);
+  // Not by an intrinsic with an immediate: -O0 refuses it where __OPTIMIZE__ stays defined by a precompiled
+  // pragma.
+  using Words = int __attribute__((vector_size(16)));
+  const auto seventh_last = reinterpret_cast<__m128i>(
+      __builtin_shufflevector(reinterpret_cast<Words>(third), reinterpret_cast<Words>(newest), 1, 2, 3, 4));
   return _mm_sha256msg2_epu32(_mm_add_epi32(partial, seventh_last), newest);
 }
 
