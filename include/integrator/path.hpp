@@ -197,6 +197,8 @@ class PathIntegrator {
     paths.leaves = hit;
     const V direction = frame.to_world(bsdf.wi);
     paths.ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
+    // The last edge brings nothing unless it ends on a light.
+    if (edge + 1 == settings_.depth) active &= world_.light_box.may_be_met_by<F>(paths.ray);
   }
 
   /// Radiance emitted against the ray in the lanes of `lit`, weighted against light sampling from the vertex

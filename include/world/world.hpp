@@ -14,6 +14,7 @@
 #include "material/material.hpp"
 #include "math/rng.hpp"
 #include "scene/description.hpp"
+#include "world/light_box.hpp"
 
 namespace mlt {
 
@@ -84,6 +85,7 @@ struct World {
   std::span<const Material> materials;
   std::span<const PrimitiveRecord> primitives;
   LightTable lights;
+  LightBox light_box;
 };
 
 /// What the scene contains, known before anything is compiled; fixes memory and features.

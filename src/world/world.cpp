@@ -204,12 +204,14 @@ World compile_world(const SceneDescription& scene, const WorldCounts& counts, st
   shapes.compile(scene, placement);
   const std::span<Material> materials = arena.take(slots.materials);
   for (std::size_t i = 0; i < materials.size(); ++i) materials[i] = compile_material(scene.materials[i]);
-  const std::span<float> light_cdf = arena.take(slots.light_cdf);
-  build_light_table(shapes.lights(), light_cdf);
+  const LightTable lights = build_light_table(shapes.lights(), arena.take(slots.light_cdf));
 
   return World{compile_camera(scene.camera, placement, width, height),
-               Geometry::build(arena, slots.geometry, shapes.geometry(), runner), materials,
-               shapes.primitives(), LightTable{shapes.lights(), light_cdf}};
+               Geometry::build(arena, slots.geometry, shapes.geometry(), runner),
+               materials,
+               shapes.primitives(),
+               lights,
+               box_around(lights.lights)};
 }
 
 }  // namespace mlt
