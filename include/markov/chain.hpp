@@ -28,7 +28,7 @@ struct ChainSettings {
   std::uint64_t bootstrap = 0;  ///< paths, one of which each chain starts from
   float large_step = 0.2f;      ///< probability in [0,1]
   float weight_b = 0;           ///< w above: the frozen b of the weights, > 0
-  FillSteps fill_steps = nullptr;
+  MutationKind mutation = MutationKind::kelemen;
   float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
   std::uint32_t first_time = 1;
   /// Ends chains early, at the mutation that they have come to; nothing asks for it where it is null.
@@ -82,7 +82,7 @@ class ChainGroup {
         settings_(settings),
         tasks_(tasks),
         films_(films),
-        samples_(workspace.samples, workspace.saved, settings.fill_steps, settings.step_size,
+        samples_(workspace.samples, workspace.saved, make_steps_of<F>(settings.mutation), settings.step_size,
                  settings.first_time),
         states_{Contributions<F>(workspace.current), Contributions<F>(workspace.proposed)} {
     MLT_CHECK_OP(tasks.size(), <=, std::size_t{kCount});
@@ -155,8 +155,7 @@ class ChainGroup {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const int lane = static_cast<int>(i);
       const std::uint64_t index = tasks_[i].chain_index;
-      samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index),
-                        BlockRng(settings_.seed, StreamPurpose::kSteps, index));
+      samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index));
       starts.set_lane(lane, settings_.seed, tasks_[i].start.index, settings_.bootstrap);
     }
     samples_.begin_initial(starts);

@@ -31,56 +31,6 @@ struct SavedSampleOf {
   std::uint32_t index = 0;
 };
 
-/// Steps in stock. Their order of use is the order of each generator's numbers.
-template <class F>
-class StepSource {
-  using U = UintOf<F>;
-
- public:
-  StepSource(FillSteps fill, float step_size) : fill_(fill), step_size_(step_size) {
-    for (int lane = 0; lane < kLaneCount<F>; ++lane)
-      set_lane_of(first_, lane, static_cast<std::uint32_t>(lane) * kStock * kStepBytes);
-  }
-  void set_lane(int lane, const BlockRng& rng) {
-    rng_[lane] = rng;
-    set_lane_of(used_, lane, kStock * kStepBytes);
-  }
-
-  /// The next step of each lane of `active`.
-  MLT_INLINE U take(MaskOf<F> active) {
-    for_lanes(MaskOf<F>(active & (used_ == kStock * kStepBytes)), [&](int lane) { refill(lane); });
-    // Lanes without stock, none of them active, read their first step.
-    const U place = select(used_ == kStock * kStepBytes, U{}, used_);
-    used_ += mask_bits(active) & kStepBytes;
-    return gather_bytes<F>(stock_[0], first_ + place);
-  }
-  /// The next step of one lane.
-  std::uint32_t take_one(int lane) {
-    if (lane_of(used_, lane) == kStock * kStepBytes) refill(lane);
-    const std::uint32_t place = lane_of(used_, lane) / kStepBytes;
-    set_lane_of(used_, lane, (place + 1) * kStepBytes);
-    return stock_[lane][place];
-  }
-
- private:
-  static constexpr std::uint32_t kStock = 4 * kBlockDraws;
-  static constexpr std::uint32_t kStepBytes = sizeof(std::uint32_t);
-
-  [[gnu::noinline]] void refill(int lane) {
-    for (std::uint32_t first = 0; first < kStock; first += kBlockDraws) {
-      fill_(rng_[lane], stock_[lane] + first, step_size_);
-    }
-    set_lane_of(used_, lane, 0U);
-  }
-
-  alignas(64) std::uint32_t stock_[kLaneCount<F>][kStock] = {};
-  U used_ = broadcast_bits<U>(kStock * kStepBytes);  ///< bytes
-  U first_{};                                        ///< where each lane's stock begins, in bytes
-  BlockRng rng_[kLaneCount<F>];
-  FillSteps fill_;
-  float step_size_;
-};
-
 template <class F>
 class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   using U = UintOf<F>;
@@ -90,10 +40,11 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   /// Both spans have the capacity that the integrator states; their contents are overwritten. `first_time`
   /// is where time starts (at least 1); it must not pass 2^32 - 1.
   PrimarySampleVectorOf(std::span<PrimarySampleOf<F>> samples, std::span<SavedSampleOf<F>> saved,
-                        FillSteps fill, float step_size, std::uint32_t first_time = 1)
+                        MakeSteps<F> make_steps, float step_size, std::uint32_t first_time = 1)
       : samples_(samples),
         saved_(saved),
-        steps_(fill, step_size),
+        make_steps_(make_steps),
+        step_size_(step_size),
         time_(broadcast_bits<U>(first_time)),
         large_step_time_(broadcast_bits<U>(first_time)) {
     MLT_CHECK_OP(samples.size(), ==, saved.size());
@@ -101,11 +52,8 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     for (PrimarySampleOf<F>& sample : samples_) sample = PrimarySampleOf<F>{};
   }
 
-  /// The streams of one lane's chain.
-  void set_lane(int lane, const Rng& rng, const BlockRng& steps) {
-    rng_.set_lane(lane, rng);
-    steps_.set_lane(lane, steps);
-  }
+  /// The stream of one lane's chain.
+  void set_lane(int lane, const Rng& rng) { rng_.set_lane(lane, rng); }
 
   /// Takes the first state's samples from `source`, in the order in which the path asks for them.
   void begin_initial(const BootstrapSamplerOf<F>& source) {
@@ -134,12 +82,10 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     // Most often: small steps of samples that are up to date.
     const M small_step = active & not_in(large_step_);
     if (const M late = small_step & (sample.time != current_time_); any(late)) [[unlikely]]
-      for_lanes(late, [&](int lane) { catch_up(sample, lane); });
+      catch_up(sample, late);
     saved_[saved_count_++] = SavedSampleOf<F>{sample, index};
-    U value = sample.value + steps_.take(small_step);
-    if (any(active & large_step_)) {
-      value = select(large_step_, rng_.next_fixed(active & large_step_), value);
-    }
+    const U draws = rng_.next_fixed(active);
+    const U value = select(large_step_, draws, sample.value + steps(draws, small_step));
     sample.time = select(active, time_, sample.time);
     sample.value = select(active, value, sample.value);
     return value;
@@ -176,26 +122,35 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     return value;
   }
 
-  /// Brings a lane's sample to the current state, one step before the proposal. A sample older than the last
-  /// large step, or never asked for, is uniform and independent of all others, and the steps that it missed
-  /// since would leave it so: it is drawn as of now.
-  [[gnu::noinline]] void catch_up(PrimarySampleOf<F>& sample, int lane) {
-    const std::uint32_t now = lane_of(time_, lane);
-    std::uint32_t time = lane_of(sample.time, lane);
-    std::uint32_t value = lane_of(sample.value, lane);
-    if (time < lane_of(large_step_time_, lane)) {
-      value = lane_of(rng_.next_fixed(one_lane<F>(lane)), lane);
-      time = now - 1;
+  MLT_INLINE U steps(const U& draws, M lanes) {
+    // The usual kind without a call, which would spill all registers.
+    using Usual = Mutation<MutationKind::kelemen>;
+    if (make_steps_ == &Usual::template steps<F, RngOf<F>>) [[likely]]
+      return Usual::template steps<F>(draws, rng_, lanes, step_size_);
+    return make_steps_(draws, rng_, lanes, step_size_);
+  }
+
+  /// Brings samples of the lanes of `late` to the current state, one step before the proposal. A sample older
+  /// than the last large step, or never asked for, is uniform and independent of all others, and the steps
+  /// that it missed since would leave it so: it is drawn as of now.
+  MLT_NOINLINE void catch_up(PrimarySampleOf<F>& sample, M late) {
+    const U current = time_ - 1U;
+    if (const M forgotten = late & (sample.time < large_step_time_); any(forgotten)) {
+      sample.value = select(forgotten, rng_.next_fixed(forgotten), sample.value);
+      sample.time = select(forgotten, current, sample.time);
     }
-    for (; time + 1 < now; ++time) value += steps_.take_one(lane);
-    set_lane_of(sample.time, lane, time);
-    set_lane_of(sample.value, lane, value);
+    for (M behind = late; any(behind &= sample.time < current);) {
+      const U draws = rng_.next_fixed(behind);
+      sample.value = select(behind, sample.value + steps(draws, behind), sample.value);
+      sample.time += mask_bits(behind) & 1U;
+    }
   }
 
   std::span<PrimarySampleOf<F>> samples_;
   std::span<SavedSampleOf<F>> saved_;
   RngOf<F> rng_;
-  StepSource<F> steps_;
+  MakeSteps<F> make_steps_;
+  float step_size_;
   BootstrapSamplerOf<F> initial_;
   U time_;
   U current_time_{};  ///< of samples that a small step need not bring up to date

@@ -17,7 +17,6 @@ enum class StreamPurpose : std::uint32_t {
   kSeedSelection = 3,
   kPixel = 4,
   kTest = 5,
-  kSteps = 6,
   kResampling = 7,
   kBootstrapFilm = 8,
   kRelabelling = 16  ///< of replicates, in a permutation test

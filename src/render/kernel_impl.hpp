@@ -20,17 +20,6 @@ void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chun
   storage.done.fetch_add(bootstrap_chunk_size(storage.job.bootstrap, chunk), std::memory_order_relaxed);
 }
 
-inline FillSteps fill_steps_of(MutationKind kind) {
-  switch (kind) {
-#define MLT_CASE(name, help) \
-  case MutationKind::name:   \
-    return &Mutation<MutationKind::name>::fill<BlockRng>;
-    MLT_MUTATION_KINDS(MLT_CASE)
-#undef MLT_CASE
-  }
-  return nullptr;
-}
-
 template <FeatureMask kFeatures>
 SeedPath find_start(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
                     const WorkerStorage& own, std::uint64_t chain) {
@@ -77,7 +66,7 @@ void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
   settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
   settings.weight_b = static_cast<float>(storage.bootstrap_luminance.mean());
-  settings.fill_steps = fill_steps_of(job.mutation);
+  settings.mutation = job.mutation;
   settings.step_size = job.step_size;
   settings.stop = storage.stop;
   ChainGroup<WideIntegrator<kFeatures>, FixedFilm> chains(

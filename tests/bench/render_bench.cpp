@@ -52,10 +52,10 @@ double mutation_nanoseconds() {
   using F = WideFloat;
   std::vector<PrimarySampleOf<F>> samples(kSamples);
   std::vector<SavedSampleOf<F>> saved(kSamples);
-  PrimarySampleVectorOf<F> vector(samples, saved, &Mutation<MutationKind::kelemen>::fill<BlockRng>, 1);
+  PrimarySampleVectorOf<F> vector(samples, saved, make_steps_of<F>(MutationKind::kelemen), 1);
   for (int lane = 0; lane < kWideLanes; ++lane) {
     const auto index = static_cast<std::uint64_t>(lane);
-    vector.set_lane(lane, Rng(1, StreamPurpose::kTest, index), BlockRng(2, StreamPurpose::kTest, index));
+    vector.set_lane(lane, Rng(1, StreamPurpose::kTest, index));
   }
   UintOf<F> sum{};
   const double begin = cpu_seconds();

@@ -22,9 +22,7 @@ struct ScriptedGenerator {
   std::vector<std::uint32_t> draws;
   std::size_t next = 0;
 
-  void next_block(std::uint32_t* block) {
-    for (int i = 0; i < kBlockDraws; ++i) block[i] = draws[next++ % draws.size()];
-  }
+  std::uint32_t next_fixed(bool) { return draws[next++ % draws.size()]; }
 };
 
 /// Signed length of a step, a fraction of the circle in [-0.5, 0.5).
@@ -40,11 +38,9 @@ TEST_CASE("pitfall 2: extreme draws give finite small steps") {
     INFO(name);
     for (const std::uint32_t first : extremes) {
       for (const std::uint32_t second : extremes) {
-        // Whole blocks of each, so that kinds that take two blocks meet every pair.
-        std::vector<std::uint32_t> draws(kBlockDraws, first);
-        draws.insert(draws.end(), kBlockDraws, second);
-        Steps<kKind, ScriptedGenerator> steps(ScriptedGenerator{draws});
-        for (int i = 0; i < 2 * kBlockDraws; ++i) {
+        // Kinds that take two draws meet every pair.
+        Steps<kKind, ScriptedGenerator> steps(ScriptedGenerator{{first, second}});
+        for (int i = 0; i < 2; ++i) {
           // A step of NaN or infinite length would be cut to zero or be far: a small step is neither.
           const double distance = std::fabs(signed_distance(steps.next()));
           CHECK(distance < 1.0 / 16);
@@ -61,7 +57,7 @@ TEST_CASE("a step's length is in proportion to the step size, and wraps where it
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     for (const float factor : {kMinStepSize, 0.3f, 1.0f, 3.0f, kMaxStepSize}) {
       INFO(name << ", " << factor);
-      const BlockRng rng(6, StreamPurpose::kTest, 0);
+      const Rng rng(6, StreamPurpose::kTest, 0);
       Steps<kKind> unit(rng), scaled(rng, factor);
       double most = 0;
       for (int i = 0; i < 100000; ++i) {
@@ -85,7 +81,7 @@ TEST_CASE("steps forwards and backwards are equally likely at every length") {
   const double threshold = sidak_threshold(kSignificance, 4);
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     INFO(name);
-    Steps<kKind> steps(BlockRng(1, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind)));
+    Steps<kKind> steps(Rng(1, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind)));
     std::array<std::uint64_t, 64> forwards{}, backwards{};
     constexpr int kSteps = 1000000;
     std::vector<double> samples(kSteps);
@@ -114,7 +110,7 @@ TEST_CASE("a step leaves the uniform distribution uniform, and wraps exactly") {
   for_each_mutation([&]<MutationKind kKind>(const char* name) {
     INFO(name);
     Rng rng(2, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind));
-    Steps<kKind> steps(BlockRng(2, StreamPurpose::kTest, static_cast<std::uint64_t>(kKind)));
+    Steps<kKind> steps(Rng(2, StreamPurpose::kTest, 100 + static_cast<std::uint64_t>(kKind)));
     std::vector<std::uint64_t> cells(256);
     const std::vector<double> expected(256, 1000);
     for (int i = 0; i < 256000; ++i) {
@@ -133,8 +129,8 @@ template <MutationKind kKind>
 float largest_sample(std::uint64_t mutations) {
   std::array<PrimarySampleOf<float>, 2> samples;
   std::array<SavedSampleOf<float>, 2> saved;
-  PrimarySampleVector vector(samples, saved, &Mutation<kKind>::template fill<BlockRng>, 1);
-  vector.set_lane(0, Rng(3, StreamPurpose::kTest, 0), BlockRng(3, StreamPurpose::kTest, 1));
+  PrimarySampleVector vector(samples, saved, make_steps_of<float>(kKind), 1);
+  vector.set_lane(0, Rng(3, StreamPurpose::kTest, 0));
   float largest = 0;
   float smallest = 1;
   for (std::uint64_t i = 0; i < mutations / 2; ++i) {
@@ -173,8 +169,32 @@ TEST_CASE("pitfall 1: a sample at either end of the circle becomes no float outs
   }
 }
 
+TEST_CASE("lanes make the steps that each would make alone, and idle ones draw nothing") {
+  using F = WideFloat;
+  for_each_mutation([&]<MutationKind kKind>(const char* name) {
+    INFO(name);
+    RngOf<F> rngs;
+    std::vector<Steps<kKind>> alone;
+    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+      const Rng rng(7, StreamPurpose::kTest, static_cast<std::uint64_t>(lane));
+      rngs.set_lane(lane, rng);
+      alone.emplace_back(rng, 3.0f);
+    }
+    Rng masks(8, StreamPurpose::kTest, 0);
+    for (int i = 0; i < 10000; ++i) {
+      const unsigned bits = masks.next_fixed() >> (32 - kLaneCount<F>);
+      const MaskOf<F> active = mask_of<F>(bits);
+      const UintOf<F> draws = rngs.next_fixed(active);
+      const UintOf<F> steps = make_steps_of<F>(kKind)(draws, rngs, active, 3.0f);
+      for_lanes(active, [&](int lane) {
+        REQUIRE(lane_of(steps, lane) == alone[static_cast<std::size_t>(lane)].next());
+      });
+    }
+  });
+}
+
 TEST_CASE("Kelemen's steps are log-uniform between 1/1024 and 1/64") {
-  Steps<MutationKind::kelemen> steps(BlockRng(4, StreamPurpose::kTest, 0));
+  Steps<MutationKind::kelemen> steps(Rng(4, StreamPurpose::kTest, 0));
   std::vector<std::uint64_t> cells(100);
   for (int i = 0; i < 200000; ++i) {
     const double distance = std::fabs(signed_distance(steps.next()));
@@ -188,7 +208,7 @@ TEST_CASE("Kelemen's steps are log-uniform between 1/1024 and 1/64") {
 }
 
 TEST_CASE("Gaussian steps are normal with standard deviation 1/128") {
-  Steps<MutationKind::gaussian> steps(BlockRng(5, StreamPurpose::kTest, 0));
+  Steps<MutationKind::gaussian> steps(Rng(5, StreamPurpose::kTest, 0));
   std::vector<std::uint64_t> cells(100);
   for (int i = 0; i < 200000; ++i) {
     const double z = signed_distance(steps.next()) * 128;

@@ -22,18 +22,18 @@ constexpr std::size_t kCells = 64;
 
 /// Steps of one unit.
 struct UnitMutation {
-  template <class Generator>
-  static void fill(Generator&, std::uint32_t* steps, float) {
-    for (int i = 0; i < kBlockDraws; ++i) steps[i] = 1;
+  template <class F, class Generator>
+  static std::uint32_t steps(const std::uint32_t&, Generator&, const bool&, float) {
+    return 1;
   }
 };
 
 /// The n-th step of a chain has length n, so that lengths tell how many steps were taken.
 struct CountingMutation {
-  static inline std::uint32_t steps = 0;
-  template <class Generator>
-  static void fill(Generator&, std::uint32_t* block, float) {
-    for (int i = 0; i < kBlockDraws; ++i) block[i] = ++steps;
+  static inline std::uint32_t count = 0;
+  template <class F, class Generator>
+  static std::uint32_t steps(const std::uint32_t&, Generator&, const bool& wanted, float) {
+    return wanted ? ++count : 0;
   }
 };
 
@@ -44,8 +44,8 @@ struct Fixture {
   PrimarySampleVector vector;
 
   explicit Fixture(std::uint64_t stream, std::uint32_t first_time = 1)
-      : vector(samples, saved, &Mutation::template fill<BlockRng>, 1, first_time) {
-    vector.set_lane(0, Rng(19, StreamPurpose::kTest, stream), BlockRng(23, StreamPurpose::kTest, stream));
+      : vector(samples, saved, &Mutation::template steps<float, Rng>, 1, first_time) {
+    vector.set_lane(0, Rng(19, StreamPurpose::kTest, stream));
     vector.begin_initial(bootstrap_sampler(stream, 0, 1));
   }
 
@@ -126,7 +126,7 @@ TEST_CASE("a sample catches up by one step for each accepted mutation, and not f
 }
 
 TEST_CASE("a sample never asked for, or older than a large step, is drawn and not replayed") {
-  CountingMutation::steps = 0;
+  CountingMutation::count = 0;
   Fixture<CountingMutation> fixture(3);
   std::uint32_t value = fixture.vector.next_fixed();
   fixture.vector.end_initial();
@@ -168,7 +168,7 @@ TEST_CASE("pitfall 19: a sample untouched for n steps is distributed as after n 
           fixture.vector.accept();
         }
         ++lazy[cell(fixture.propose(false) - start)];
-        Steps<kKind> steps(BlockRng(22, StreamPurpose::kTest, stream));
+        Steps<kKind> steps(Rng(22, StreamPurpose::kTest, stream));
         std::uint32_t distance = 0;
         for (int i = 0; i < skipped[k] + 1; ++i) distance += steps.next();
         ++direct[cell(distance)];

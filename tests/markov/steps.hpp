@@ -1,4 +1,4 @@
-// Small steps one at a time, from the blocks in which mutations make them.
+// Small steps of one kind, one at a time.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +7,20 @@
 
 namespace mlt::test {
 
-template <MutationKind kKind, class Generator = BlockRng>
+/// By a Generator with next_fixed(mask).
+template <MutationKind kKind, class Generator = Rng>
 class Steps {
  public:
   explicit Steps(Generator rng, float step_size = 1) : rng_(rng), step_size_(step_size) {}
 
   std::uint32_t next() {
-    if (used_ == kBlockDraws) {
-      Mutation<kKind>::fill(rng_, steps_, step_size_);
-      used_ = 0;
-    }
-    return steps_[used_++];
+    const std::uint32_t draw = rng_.next_fixed(true);
+    return Mutation<kKind>::template steps<float>(draw, rng_, true, step_size_);
   }
 
  private:
   Generator rng_;
   float step_size_;
-  alignas(16) std::uint32_t steps_[kBlockDraws];
-  int used_ = kBlockDraws;
 };
 
 }  // namespace mlt::test

@@ -50,6 +50,11 @@ SeedPath seed_path_of_chain(const Integrator& integrator, const ToyJob& job, con
   return find_seed_path(integrator, job.seed, job.bootstrap, bootstrap.chunks, position, splats);
 }
 
+template <MutationKind kKind>
+constexpr MutationKind kind_of(Mutation<kKind>) {
+  return kKind;
+}
+
 /// One chain with storage of its own.
 template <class Mutation, class Integrator, class Film>
 ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float weight_b,
@@ -62,7 +67,7 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
   settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
   settings.weight_b = weight_b;
-  settings.fill_steps = &Mutation::template fill<BlockRng>;
+  settings.mutation = kind_of(Mutation{});
   settings.step_size = job.step_size;
   settings.first_time = job.first_time;
   const ChainTask task{chain_index, job.mutations, start};

@@ -128,7 +128,6 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   settings.bootstrap = job.bootstrap;
   settings.large_step = job.large_step;
   settings.weight_b = static_cast<float>(bootstrap.mean() * job.b_factor);
-  settings.fill_steps = &Mutation<MutationKind::kelemen>::fill<BlockRng>;
   settings.first_time = job.first_time;
   ChainStatistics total;
   for (std::uint64_t i = 0; i < job.chains; ++i) {
