@@ -15,4 +15,9 @@ struct SplatOf {
 };
 using Splat = SplatOf<float>;
 
+template <class F>
+MLT_INLINE SplatOf<F> select(MaskOf<F> mask, const SplatOf<F>& a, const SplatOf<F>& b) {
+  return {select(mask, a.pixel, b.pixel), select(mask, a.value, b.value)};
+}
+
 }  // namespace mlt

@@ -108,12 +108,12 @@ constexpr std::uint64_t bootstrap_chunk_size(std::uint64_t paths, std::uint64_t 
 /// chain's search for its start evaluates it.
 template <class Integrator, class Visit>
 void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std::uint64_t chunk_index,
-                           std::uint64_t paths, std::span<Splat> splats, DefectCounts& defects,
-                           Visit&& visit) {
+                           std::uint64_t paths, std::span<SplatOf<typename Integrator::Float>> splats,
+                           DefectCounts& defects, Visit&& visit) {
   using F = typename Integrator::Float;
   const std::uint64_t first = chunk_index * kBootstrapChunk;
   const std::uint64_t last = first + bootstrap_chunk_size(paths, chunk_index);
-  Contributions<F> contributions(splats);
+  ContributionOf<F> contribution(splats);
   ReplayContext& context = replay_context();
   context.seed = seed;
   context.unit = chunk_index;
@@ -124,21 +124,20 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
     for_lanes(active, [&](int lane) {
       sampler.set_lane(lane, seed, index + static_cast<std::uint64_t>(lane), paths);
     });
-    evaluate_into(
-        integrator, sampler, active, [&](int lane) -> Contribution& { return contributions.lane[lane]; },
-        [&](int) -> DefectCounts& { return defects; });
+    evaluate_into(integrator, sampler, active, contribution, [&](int) -> DefectCounts& { return defects; });
     for_lanes(active, [&](int lane) {
-      visit(index + static_cast<std::uint64_t>(lane), contributions.lane[lane].target());
+      visit(index + static_cast<std::uint64_t>(lane), lane_of(contribution.target(), lane));
     });
   }
 }
 
 /// Adds the paths' defects to `defects`, of which each worker has one: there are too many chunks to keep
-/// theirs. `splats` has room for those of as many paths as the integrator has lanes.
+/// theirs. `splats` has room for those of a path, in all lanes.
 template <class Integrator>
 BootstrapChunk evaluate_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed,
                                         std::uint64_t chunk_index, std::uint64_t paths,
-                                        std::span<Splat> splats, DefectCounts& defects) {
+                                        std::span<SplatOf<typename Integrator::Float>> splats,
+                                        DefectCounts& defects) {
   BootstrapChunk chunk;
   NeighbourDifferences differences;
   visit_bootstrap_chunk(integrator, seed, chunk_index, paths, splats, defects,
@@ -166,7 +165,8 @@ double seed_position(std::uint64_t seed, std::uint64_t round, std::uint64_t chai
 /// Replays a chunk to find the path at `position`. The replay must reproduce the chunk's sum bit for bit.
 template <class Integrator>
 SeedPath find_seed_path(const Integrator& integrator, std::uint64_t seed, std::uint64_t paths,
-                        std::span<const BootstrapChunk> chunks, double position, std::span<Splat> splats) {
+                        std::span<const BootstrapChunk> chunks, double position,
+                        std::span<SplatOf<typename Integrator::Float>> splats) {
   const std::uint64_t chunk_index = find_bootstrap_chunk(chunks, position);
   const BootstrapChunk& chunk = chunks[chunk_index];
   SeedPath found;

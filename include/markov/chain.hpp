@@ -12,7 +12,6 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
-#include <utility>
 
 #include "base/assert.hpp"
 #include "base/planted_fault.hpp"
@@ -42,13 +41,13 @@ struct ChainTask {
   SeedPath start;
 };
 
-/// Storage of one worker, reused for each group of chains it runs; splats for one state of all its chains.
+/// Storage of one worker, reused for each group of chains it runs; splats of one state of all its chains.
 template <class F>
 struct ChainWorkspaceOf {
   std::span<PrimarySampleOf<F>> samples;
   std::span<SavedSampleOf<F>> saved;
-  std::span<Splat> current;
-  std::span<Splat> proposed;
+  std::span<SplatOf<F>> current;
+  std::span<SplatOf<F>> proposed;
 };
 using ChainWorkspace = ChainWorkspaceOf<float>;
 
@@ -84,7 +83,8 @@ class ChainGroup {
         films_(films),
         samples_(workspace.samples, workspace.saved, make_steps_of<F>(settings.mutation), settings.step_size,
                  settings.first_time),
-        states_{Contributions<F>(workspace.current), Contributions<F>(workspace.proposed)} {
+        current_(workspace.current),
+        proposed_(workspace.proposed) {
     MLT_CHECK_OP(tasks.size(), <=, std::size_t{kCount});
     MLT_CHECK_OP(films.size(), ==, tasks.size());
   }
@@ -107,9 +107,10 @@ class ChainGroup {
       if (step > unchanged_until) active = chains_at(step, unchanged_until);
       mutate(active);
     }
+    splat(first_lanes<F>(tasks_.size()), current_, weights_);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      flush(static_cast<int>(i), current_[i]);
       statistics_[i].mutations += std::min(made, tasks_[i].mutations);
+      statistics_[i].longest_rejection_run = lane_of(longest_rejection_run_, static_cast<int>(i));
     }
     return made == longest;
   }
@@ -122,12 +123,10 @@ class ChainGroup {
            settings_.stop->load(std::memory_order_relaxed);
   }
 
-  /// A state with the weights that it has gathered while it was current, splatted once when it is left.
-  struct State {
-    Contribution* contribution = nullptr;
-    double metropolis_weight = 0;  ///< expected-value weights
-    double uniform_weight = 0;     ///< 1 when it was a large step's proposal
-    std::uint64_t rejection_run = 0;
+  /// What states have gathered while they were current; they are splatted once, when they are left.
+  struct Weights {
+    double metropolis[kCount] = {};  ///< expected-value weights
+    double uniform[kCount] = {};     ///< 1 when it was a large step's proposal
   };
 
   /// The chains that make mutation `step`, and the last mutation that the same chains make.
@@ -160,15 +159,11 @@ class ChainGroup {
     }
     samples_.begin_initial(starts);
     DefectCounts counted_by_the_bootstrap;
-    evaluate_into(
-        integrator_, samples_, first_lanes<F>(tasks_.size()),
-        [this](int lane) -> Contribution& { return states_[0].lane[lane]; },
-        [&](int) -> DefectCounts& { return counted_by_the_bootstrap; });
+    evaluate_into(integrator_, samples_, first_lanes<F>(tasks_.size()), current_,
+                  [&](int) -> DefectCounts& { return counted_by_the_bootstrap; });
     samples_.end_initial();
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      current_[i].contribution = &states_[0].lane[i];
-      proposed_[i].contribution = &states_[1].lane[i];
-      MLT_CHECK_OP(current_[i].contribution->target(), ==, tasks_[i].start.target);
+      MLT_CHECK_OP(lane_of(current_.target(), static_cast<int>(i)), ==, tasks_[i].start.target);
     }
   }
 
@@ -176,76 +171,69 @@ class ChainGroup {
     const M large_step = happens(samples_.rng(), broadcast_to<F>(settings_.large_step), active);
     samples_.begin_proposal(large_step);
     evaluate_into(
-        integrator_, samples_, active,
-        [this](int lane) -> Contribution& { return *proposed_[lane].contribution; },
+        integrator_, samples_, active, proposed_,
         [this](int lane) -> DefectCounts& { return statistics_of(lane).defects; },
         [this](int lane, std::uint32_t pixel) { films_[static_cast<std::size_t>(lane)].prefetch(pixel); });
-    const F acceptances = weigh(active, large_step);
+    // The current target is positive from the start on, for only a positive proposal is ever accepted.
+    const F ratio = proposed_.target() / nonzero(active, current_.target());
+    const F acceptances = select(ratio < 1.0f, ratio, broadcast_to<F>(1.0f));
+    count(active, large_step, acceptances);
     const M accepted = active & happens(samples_.rng(), acceptances, active);
     samples_.accept(accepted);
     samples_.reject(not_in(accepted));
-    for_lanes(accepted, [this](int lane) { move(lane); });
-    for_lanes(active & not_in(accepted), [this](int lane) { stay(lane); });
+    leave(active, accepted, large_step, acceptances);
   }
 
-  /// The probabilities of accepting the proposals, which both states' weights count. What kind of step a lane
-  /// makes cannot be predicted, so that each kind has a loop of its own.
-  F weigh(M active, M large_step) {
-    F proposed{}, current{};
-    for_lanes(active, [&](int lane) {
-      set_lane_of(proposed, lane, proposed_[lane].contribution->target());
-      set_lane_of(current, lane, current_[lane].contribution->target());
-    });
-    // The current target is positive from the start on, for only a positive proposal is ever accepted.
-    const F ratio = proposed / nonzero(active, current);
-    const F acceptances = select(ratio < 1.0f, ratio, broadcast_to<F>(1.0f));
+  /// What kind of step a lane makes cannot be predicted, so that each kind has a loop of its own.
+  void count(M active, M large_step, const F& acceptances) {
     const UintOf<F> dimensions = samples_.dimension();
-    for_lanes(active, [&](int lane) {
-      const float acceptance = lane_of(acceptances, lane);
-      proposed_[lane].metropolis_weight = acceptance;
-      current_[lane].metropolis_weight += planted_weight(1.0 - static_cast<double>(acceptance));
-      statistics_of(lane).primary_samples += lane_of(dimensions, lane);
-    });
+    for_lanes(active, [&](int lane) { statistics_of(lane).primary_samples += lane_of(dimensions, lane); });
     for_lanes(active & not_in(large_step), [&](int lane) {
       statistics_of(lane).acceptance_small += lane_of(acceptances, lane);
       statistics_of(lane).small_steps += 1;
     });
     for_lanes(active & large_step, [&](int lane) {
-      proposed_[lane].uniform_weight = 1;
       statistics_of(lane).acceptance_large += lane_of(acceptances, lane);
-      statistics_of(lane).large_steps.add(lane_of(proposed, lane));
+      statistics_of(lane).large_steps.add(lane_of(proposed_.target(), lane));
     });
-    return acceptances;
   }
 
-  /// To the proposal.
-  void move(int lane) {
-    flush(lane, current_[lane]);
-    std::swap(current_[lane], proposed_[lane]);
-    current_[lane].rejection_run = 0;
-  }
-
-  /// Where the chain is.
-  void stay(int lane) {
-    flush(lane, proposed_[lane]);
-    State& current = current_[lane];
-    current.rejection_run += 1;
-    std::uint64_t& longest = statistics_of(lane).longest_rejection_run;
-    if (current.rejection_run > longest) longest = current.rejection_run;
+  /// Of the two states, splats the one that is left: the current one where the proposal is accepted,
+  /// elsewhere the proposal. Both states' weights count the acceptance.
+  void leave(M active, M accepted, M large_step, const F& acceptances) {
+    Weights left;
+    const unsigned large = lanes_of(large_step);
+    for_lanes(accepted, [&](int lane) {
+      const double acceptance = static_cast<double>(lane_of(acceptances, lane));
+      left.metropolis[lane] = weights_.metropolis[lane] + planted_weight(1.0 - acceptance);
+      left.uniform[lane] = weights_.uniform[lane];
+      weights_.metropolis[lane] = acceptance;
+      weights_.uniform[lane] = large >> lane & 1U;
+    });
+    for_lanes(active & not_in(accepted), [&](int lane) {
+      const double acceptance = static_cast<double>(lane_of(acceptances, lane));
+      weights_.metropolis[lane] += planted_weight(1.0 - acceptance);
+      left.metropolis[lane] = acceptance;
+      left.uniform[lane] = large >> lane & 1U;
+    });
+    proposed_.exchange(current_, accepted);
+    splat(active, proposed_, left);
+    rejection_run_ = select(accepted, UintOf<F>{}, rejection_run_ + (mask_bits(active) & 1U));
+    longest_rejection_run_ =
+        select(rejection_run_ > longest_rejection_run_, rejection_run_, longest_rejection_run_);
   }
 
   /// The one place where a chain splats: rejected proposals, states that are left, and the last state alike.
-  void flush(int lane, State& state) {
-    const double metropolis_weight = state.metropolis_weight;
-    const double uniform_weight = state.uniform_weight;
-    state.metropolis_weight = 0;
-    state.uniform_weight = 0;
-    if (metropolis_weight == 0.0 && uniform_weight == 0.0) return;
-    if (state.contribution->splats().empty()) return;
-    const float scale = 1.0f / (state.contribution->target() + settings_.large_step * settings_.weight_b);
-    for (const Splat& splat : state.contribution->splats()) {
-      films_[static_cast<std::size_t>(lane)].splat(splat.pixel, splat.value * scale, metropolis_weight,
-                                                   uniform_weight);
+  void splat(M lanes, const ContributionOf<F>& states, const Weights& weights) {
+    lanes &= states.target() > 0.0f;
+    const F scale = 1.0f / (states.target() + settings_.large_step * settings_.weight_b);
+    for (const SplatOf<F>& splat : states.splats()) {
+      const Vec3Of<F> scaled = splat.value * scale;
+      for_lanes(lanes & not_in(is_zero<F>(splat.value)), [&](int lane) {
+        if (weights.metropolis[lane] == 0.0 && weights.uniform[lane] == 0.0) return;
+        films_[static_cast<std::size_t>(lane)].splat(lane_of(splat.pixel, lane), lane_of(scaled, lane),
+                                                     weights.metropolis[lane], weights.uniform[lane]);
+      });
     }
   }
 
@@ -254,9 +242,9 @@ class ChainGroup {
   std::span<const ChainTask> tasks_;
   std::span<Film> films_;
   PrimarySampleVectorOf<F> samples_;
-  Contributions<F> states_[2];
-  State current_[kCount];
-  State proposed_[kCount];
+  ContributionOf<F> current_, proposed_;
+  Weights weights_;  ///< of the current states
+  UintOf<F> rejection_run_{}, longest_rejection_run_{};
   std::span<ChainStatistics> statistics_;
 };
 

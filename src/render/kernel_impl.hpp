@@ -10,13 +10,24 @@ namespace mlt {
 template <FeatureMask kFeatures>
 using WideIntegrator = PathIntegrator<kFeatures, WideFloat>;
 
+/// The items of `Item` that fill `bytes`, which the arena laid out for them.
+template <class Item>
+std::span<Item> items_of(std::span<std::byte> bytes) {
+  return {reinterpret_cast<Item*>(bytes.data()), bytes.size() / sizeof(Item)};
+}
+
+inline std::span<SplatOf<WideFloat>> splats_of(std::span<Splat> lanes) {
+  return items_of<SplatOf<WideFloat>>(std::as_writable_bytes(lanes));
+}
+
 template <FeatureMask kFeatures>
 void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
   auto& storage = *static_cast<RenderStorage*>(context);
   const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
   WorkerStorage& own = storage.workers[worker];
-  storage.bootstrap[chunk] = evaluate_bootstrap_chunk(
-      integrator, storage.job.seed, chunk, storage.job.bootstrap, own.proposed, own.bootstrap_defects);
+  storage.bootstrap[chunk] =
+      evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap,
+                               splats_of(own.proposed), own.bootstrap_defects);
   storage.done.fetch_add(bootstrap_chunk_size(storage.job.bootstrap, chunk), std::memory_order_relaxed);
 }
 
@@ -29,18 +40,12 @@ SeedPath find_start(const WideIntegrator<kFeatures>& integrator, const RenderSto
                               : seed_position(storage.job.seed, storage.round, chain, storage.job.chains,
                                               storage.bootstrap_luminance.sum);
   return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
-                        own.proposed);
-}
-
-/// The items of `Item` that fill `bytes`, which the arena laid out for them.
-template <class Item>
-std::span<Item> items_of(std::span<std::byte> bytes) {
-  return {reinterpret_cast<Item*>(bytes.data()), bytes.size() / sizeof(Item)};
+                        splats_of(own.proposed));
 }
 
 inline ChainWorkspaceOf<WideFloat> workspace_of(const WorkerStorage& own) {
   return {items_of<PrimarySampleOf<WideFloat>>(own.samples), items_of<SavedSampleOf<WideFloat>>(own.saved),
-          own.current, own.proposed};
+          splats_of(own.current), splats_of(own.proposed)};
 }
 
 template <FeatureMask kFeatures>

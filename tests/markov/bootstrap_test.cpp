@@ -29,13 +29,11 @@ std::vector<double> all_targets(std::uint64_t seed, std::uint64_t paths) {
   std::vector<double> targets;
   const UnevenToy toy;
   std::array<Splat, 1> splats;
-  Contribution contribution(splats);
+  ContributionOf<float> contribution(splats);
   DefectCounts defects;
   for (std::uint64_t i = 0; i < paths; ++i) {
     BootstrapSamplerOf<float> sampler = bootstrap_sampler(seed, i, paths);
-    evaluate_into(
-        toy, sampler, true, [&](int) -> Contribution& { return contribution; },
-        [&](int) -> DefectCounts& { return defects; });
+    evaluate_into(toy, sampler, true, contribution, [&](int) -> DefectCounts& { return defects; });
     targets.push_back(contribution.target());
   }
   return targets;

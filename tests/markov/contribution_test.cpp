@@ -31,10 +31,10 @@ struct Finished {
 
 Finished finish(const std::vector<Vec3>& values) {
   std::array<Splat, 4> storage;
-  Contribution contribution(storage);
-  for (const Vec3& value : values) contribution.add(Splat{0, value});
+  ContributionOf<float> contribution(storage);
+  for (const Vec3& value : values) contribution.add(Splat{0, value}, true);
   Finished finished;
-  contribution.finish(finished.defects);
+  contribution.finish(true, [&](int) -> DefectCounts& { return finished.defects; });
   finished.target = contribution.target();
   finished.splats = contribution.splats().size();
   return finished;
@@ -43,8 +43,8 @@ Finished finish(const std::vector<Vec3>& values) {
 bool is_rejected(const Finished& finished, std::uint64_t nan, std::uint64_t infinite,
                  std::uint64_t negative) {
   const DefectCounts& defects = finished.defects;
-  return finished.target == 0.0f && finished.splats == 0 && defects.nan == nan &&
-         defects.infinite == infinite && defects.negative == negative;
+  return finished.target == 0.0f && defects.nan == nan && defects.infinite == infinite &&
+         defects.negative == negative;
 }
 
 TEST_CASE("the target is the luminance of all splats; zero splats need no place") {
@@ -79,6 +79,59 @@ TEST_CASE("more splats than the integrator stated are a bug, not a silent drop")
   const ChildResult child = run_in_child([] { finish(std::vector<Vec3>(5, Vec3{1})); });
   CHECK(child.exit_code == static_cast<int>(ExitCode::kBug));
   CHECK_THAT(child.errors, Catch::Contains("count_ < splats_.size() (4 against 4)"));
+}
+
+TEST_CASE("each lane's contribution is what it would be alone, and is exchanged alone") {
+  using F = WideFloat;
+  constexpr float kValues[] = {0, 1, 2.5f, kMinTarget / 4, kLargest, kNan, kInfinite, -1};
+  Rng rng(5, StreamPurpose::kTest, 0);
+  const auto any_value = [&] {
+    // Half of the values zero, and most others sound.
+    const std::uint32_t draw = rng.next_fixed() >> 27;
+    return draw < 16 ? 0.0f : kValues[draw < 28 ? draw % 3 : draw % 8];
+  };
+  for (int i = 0; i < 3000; ++i) {
+    std::array<SplatOf<F>, 3> storage[2];
+    ContributionOf<F> contributions[2] = {ContributionOf<F>(storage[0]), ContributionOf<F>(storage[1])};
+    Finished alone[2][kLaneCount<F>];
+    for (int state = 0; state < 2; ++state) {
+      std::vector<Vec3> values[kLaneCount<F>];
+      contributions[state].clear();
+      for (int k = 0; k < i % 4; ++k) {
+        SplatOf<F> splat;
+        const MaskOf<F> lanes = mask_of<F>(rng.next_fixed() >> (32 - kLaneCount<F>));
+        for_lanes(not_in(MaskOf<F>{}), [&](int lane) {
+          const Vec3 value{any_value(), 1, any_value()};
+          set_lane_of(splat.value, lane, value);
+          if ((lanes_of(lanes) >> lane & 1U) != 0) values[lane].push_back(value);
+        });
+        contributions[state].add(splat, lanes);
+      }
+      DefectCounts defects[kLaneCount<F>];
+      contributions[state].finish(not_in(MaskOf<F>{}),
+                                  [&](int lane) -> DefectCounts& { return defects[lane]; });
+      for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+        alone[state][lane] = finish(values[lane]);
+        const DefectCounts& expected = alone[state][lane].defects;
+        REQUIRE(defects[lane].nan == expected.nan);
+        REQUIRE(defects[lane].infinite == expected.infinite);
+        REQUIRE(defects[lane].negative == expected.negative);
+        REQUIRE(lane_of(contributions[state].target(), lane) == alone[state][lane].target);
+      }
+    }
+    const unsigned exchanged = rng.next_fixed() >> (32 - kLaneCount<F>);
+    contributions[0].exchange(contributions[1], mask_of<F>(exchanged));
+    for (int state = 0; state < 2; ++state) {
+      for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+        const Finished& expected = alone[(exchanged >> lane & 1U) != 0 ? 1 - state : state][lane];
+        REQUIRE(lane_of(contributions[state].target(), lane) == expected.target);
+        float sum = 0;
+        for (const SplatOf<F>& splat : contributions[state].splats())
+          sum += luminance(lane_of(splat.value, lane));
+        if (expected.target > 0.0f) REQUIRE(sum == expected.target);
+      }
+    }
+  }
 }
 
 /// SmoothToy behind a fault: one more primary sample, at first, decides whether one of the path's splats is
