@@ -24,12 +24,15 @@ template <class F>
 class LaneRays {
  public:
   MLT_INLINE LaneRays(const RayOf<F>& ray, const MaskOf<F>& active) {
-    for_lanes(active, [&](int lane) { rays_[lane] = lane_of(ray, lane); });
+    for_lanes(active, [&](int lane) { new (place_[lane]) Ray(lane_of(ray, lane)); });
   }
-  MLT_INLINE const Ray& operator[](int lane) const { return rays_[lane]; }
+  MLT_INLINE const Ray& operator[](int lane) const {
+    return *std::launder(reinterpret_cast<const Ray*>(place_[lane]));
+  }
 
  private:
-  Ray rays_[kLaneCount<F>];
+  /// Rays that nobody asks for are not even cleared.
+  alignas(Ray) std::byte place_[kLaneCount<F>][sizeof(Ray)];
 };
 
 /// Traces the ray of each lane whose bit is set: make(place, lane) constructs its way there and returns it,
