@@ -8,7 +8,7 @@
 namespace mlt {
 namespace {
 
-/// Processor time a primary sample, of PSSMLT over the path tracer: 1.0 to 1.4 on six scenes where light is
+/// Processor time a primary sample, of PSSMLT over the path tracer: 1.0 to 1.3 on six scenes where light is
 /// hard to find, the bootstrap included (docs/RESULTS.md). What else a path costs is in proportion to its
 /// primary samples.
 constexpr double kChainCost = 1.2;
