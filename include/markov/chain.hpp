@@ -226,7 +226,7 @@ class ChainGroup {
   /// The one place where a chain splats: rejected proposals, states that are left, and the last state alike.
   void splat(M lanes, const ContributionOf<F>& states, const Weights& weights) {
     lanes &= states.target() > 0.0f;
-    const F scale = 1.0f / (states.target() + settings_.large_step * settings_.weight_b);
+    const F scale = 1.0f / nonzero(lanes, states.target() + settings_.large_step * settings_.weight_b);
     for (const SplatOf<F>& splat : states.splats()) {
       const Vec3Of<F> scaled = splat.value * scale;
       for_lanes(lanes & not_in(is_zero<F>(splat.value)), [&](int lane) {
