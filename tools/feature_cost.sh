@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Shows by instruction counts (callgrind) that a scene pays nothing for what it lacks:
 #   feature_cost.sh build/<variant> FEATURE...
-#   without  a job needs at most 1 % more instructions a sample or mutation than in a build that has never
+#   without  a job needs at most 0.5 % more instructions a sample or mutation than in a build that has never
 #            heard of the feature (include/integrator/features.hpp), and makes the same film
 #   always   the same job in a build in which every scene has the feature is seen to need more than that
 #            (less with roulette, which then ends paths)
-#   unused   materials, lights and meshes that a scene file mentions and does not use change less than 0.5 %
+#   unused   materials, lights and meshes that a scene file mentions and does not use change less than that
 # Counts are differences of two lengths of a job, so that start-up is none of them, by one thread and the
 # baseline's kernels.
 set -u
@@ -18,6 +18,7 @@ work=$out/feature_cost
 rm -rf "$work"
 mkdir -p "$work"
 parallel=${JOBS:-$(nproc)}
+limit=0.5
 side=24
 short=8
 long=16
@@ -145,8 +146,8 @@ for feature in "$@"; do
       bare=$(hash_of "without_$feature" "$job" $integrator)
       more=$(change "$full" "$without")
       wrong=
-      if above "$more" 1; then
-        wrong="allowed is 1 %; $(failed "without_$feature" "$job" $integrator)"
+      if above "$more" "$limit"; then
+        wrong="allowed is $limit %; $(failed "without_$feature" "$job" $integrator)"
       elif [ "$(hash_of full "$job" $integrator)" != "$bare" ]; then
         wrong="another film"
       fi
@@ -161,14 +162,14 @@ for feature in "$@"; do
     full=$(cost full "$job" $integrator)
     more=$(change "$(cost "always_$feature" "$job" $integrator)" "$full")
     expect_empty "always $feature: $job, $integrator: would be $more %, which is seen" \
-      "$([ -n "$more" ] && above "${more#-}" 1 || echo "not told from noise")"
+      "$([ -n "$more" ] && above "${more#-}" "$limit" || echo "not told from noise")"
   done
 done
 for kind in materials lights meshes; do
   for integrator in path pssmlt; do
     more=$(change "$(cost full "unused-$kind" $integrator)" "$(cost full plain $integrator)")
     expect_empty "unused $kind: $integrator: $more %" \
-      "$(if above "${more#-}" 0.5; then echo "allowed is 0.5 %"; failed full "unused-$kind" $integrator; fi)"
+      "$(if above "${more#-}" "$limit"; then echo "allowed is $limit %"; failed full "unused-$kind" $integrator; fi)"
   done
 done
 closing
