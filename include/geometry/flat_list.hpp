@@ -35,6 +35,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "geometry/flat_cell.hpp"
 #include "geometry/quad_block.hpp"
 #include "geometry/shapes.hpp"
 #include "math/gather.hpp"
@@ -110,9 +111,17 @@ struct FlatList {
   FlatPolygon polygons[kFlatSlots];
   [[no_unique_address]] PolygonColumns<kLanes == 8> columns;
   std::uint32_t block_count;
+  // For many rays: cells, and blocks of what lies in none of them.
+  std::uint32_t cell_count, cell_axes;  ///< bit k: a slab across axis k
+  std::uint32_t loose_count;
+  FlatCell cells[kFlatCells];
+  FlatBlock loose[kFlatBlocks];
 
   std::uint32_t slot_count() const { return block_count * kLanes; }
 };
+
+/// The part of depth_error that comes of the weights of corners a, b, c, d, in a block of axis `k`.
+double depth_weight_error(const DVec3 (&corners)[4], int k, double extent);
 
 /// Fills `list`, which lies in zeroed memory, by those polygons of `quads` that have an area.
 class FlatListBuilder {
@@ -125,9 +134,14 @@ class FlatListBuilder {
   static bool is_aligned(const Quad& quad);
   /// In order of axes, for each the aligned quads first; kFlatPolygons at most.
   void add(int axis, const Quad& quad, const FlatPolygon& polygon);
+  /// After all have been added, once.
   void finish();
 
  private:
+  void finish_axis();
+  void find_cells();
+  void add_loose(std::uint32_t slot);
+
   FlatList& list_;
   std::uint32_t first_slot_;
   float extent_;

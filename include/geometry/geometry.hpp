@@ -33,9 +33,8 @@ struct GeometryCounts {
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
-  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks: always with four lanes,
-  // of which the fast test of a FlatList costs more than it saves.
-  std::uint32_t bounded_quads = kLanes >= 8 ? 48 : 0;
+  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks.
+  std::uint32_t bounded_quads = 48;
   std::uint32_t bounded_triangles = 0;
 };
 

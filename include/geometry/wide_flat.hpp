@@ -1,243 +1,33 @@
 // A flat list of polygons against as many rays as there are lanes: the fast test goes polygon by polygon
-// over all rays (flat_list.hpp), then each ray meets the test that defines hits (quad_block.hpp) with the
+// over all rays (flat_list.hpp), then each ray meets the test that defines hits (wide_polygon.hpp) with the
 // polygon that seems nearest to it. Rays on which that leaves doubt, few of them, are told by a mask; they
 // are to be asked one by one. All others get the bits that one ray gets.
 #pragma once
 
-#include <cstddef>
-#include <limits>
-
 #include "geometry/flat_list.hpp"
 #include "geometry/surface.hpp"
-#include "math/gather.hpp"
+#include "geometry/wide_cell.hpp"
+#include "geometry/wide_polygon.hpp"
 
 namespace mlt {
 
-/// RayLanes, RayShear and RaySlabs (ray_frame.hpp) of many rays.
-template <class F>
-struct WideRayFrame {
-  const RayOf<F>& ray;
-  Vec3Of<F> size;  ///< |direction|
-  F longest;       ///< its largest component
-  F distance;      ///< largest component of |origin|
-
-  MLT_INLINE explicit WideRayFrame(const RayOf<F>& r)
-      : ray(r),
-        size(magnitudes(r.direction)),
-        longest(largest(size)),
-        distance(largest(magnitudes(r.origin))) {}
-
-  MLT_INLINE static Vec3Of<F> magnitudes(const Vec3Of<F>& v) {
-    return {magnitude(v.x), magnitude(v.y), magnitude(v.z)};
-  }
-  MLT_INLINE static F largest(const Vec3Of<F>& v) { return larger(larger(v.x, v.y), v.z); }
-};
-
-/// A vector's components in the order of a ray's sheared axes.
-template <class F>
-struct AxisOrder {
-  MaskOf<F> is_x, is_y;  ///< the direction's first largest component; z where neither
-
-  MLT_INLINE explicit AxisOrder(const WideRayFrame<F>& frame)
-      : is_x(frame.size.x == frame.longest), is_y(not_in(is_x) & (frame.size.y == frame.longest)) {}
-
-  template <class T>
-  MLT_INLINE T first(const T& x, const T& y, const T& z) const {
-    return select(is_x, y, select(is_y, z, x));
-  }
-  template <class T>
-  MLT_INLINE T second(const T& x, const T& y, const T& z) const {
-    return select(is_x, z, select(is_y, x, y));
-  }
-  template <class T>
-  MLT_INLINE T last(const T& x, const T& y, const T& z) const {
-    return select(is_x, x, select(is_y, y, z));
-  }
-};
-
-/// Where each ray meets its polygon; as QuadHit.
-template <class F>
-struct WideQuadHit {
-  F t;
-  F weight_middle, weight_c;
-  MaskOf<F> second;
-  MaskOf<F> met;
-  MaskOf<F> in_doubt;
-};
-
-/// Polygon slot[i] of `list` for lane i.
-template <class F>
-class PolygonRef {
- public:
-  MLT_INLINE PolygonRef(const FlatList& list, UintOf<F> slot)
-      : list_(list), slot_(slot), in_tables_(kHasTables<F> && list.slot_count() <= kTableSlots) {}
-
-  /// The corners' coordinates along x, y and z.
-  MLT_INLINE Rows<F> corners(std::uint32_t axis) const { return row(axis); }
-  /// The unit normal, and the primitive's bits.
-  MLT_INLINE Rows<F> normal_row() const { return row(3); }
-  /// The box's low corner and the slot's bits, and the high corner.
-  MLT_INLINE Rows<F> low_row() const { return row(4); }
-  MLT_INLINE Rows<F> high_row() const { return row(5); }
-
-  /// The corners' coordinates in a ray's order of axes.
-  MLT_INLINE void corners(const AxisOrder<F>& order, Rows<F>& first, Rows<F>& second, Rows<F>& last) const {
-    if (in_tables_) {
-      const Rows<F> x = row(0), y = row(1), z = row(2);
-#pragma GCC unroll 4
-      for (int i = 0; i < 4; ++i) {
-        first.column[i] = order.first(x.column[i], y.column[i], z.column[i]);
-        second.column[i] = order.second(x.column[i], y.column[i], z.column[i]);
-        last.column[i] = order.last(x.column[i], y.column[i], z.column[i]);
-      }
-      return;
-    }
-    using U = UintOf<F>;
-    const U zero{}, one = broadcast_bits<U>(1), two = broadcast_bits<U>(2);
-    first = loaded_row(order.first(zero, one, two));
-    second = loaded_row(order.second(zero, one, two));
-    last = loaded_row(order.last(zero, one, two));
-  }
-
- private:
-  static_assert(offsetof(FlatPolygon, quad.corners) == 0);
-  static_assert(offsetof(FlatPolygon, quad.normal) == 3 * 16);
-  static_assert(offsetof(FlatPolygon, quad.primitive) == offsetof(FlatPolygon, quad.normal) + 12);
-  static_assert(offsetof(FlatPolygon, low) == 4 * 16);
-  static_assert(offsetof(FlatPolygon, slot) == offsetof(FlatPolygon, low) + 12);
-  static_assert(offsetof(FlatPolygon, high) == 5 * 16);
-
-  MLT_INLINE Rows<F> row(std::uint32_t index) const {
-    if (in_tables_) return list_.columns.row<F>(index, slot_, list_.slot_count() > 32);
-    return loaded_row(broadcast_bits<UintOf<F>>(index));
-  }
-  MLT_INLINE Rows<F> loaded_row(UintOf<F> index) const {
-    return gather_rows<F>(&list_.polygons[0].quad.corners[0][0],
-                          slot_ * static_cast<std::uint32_t>(sizeof(FlatPolygon)) + index * 16U);
-  }
-
-  const FlatList& list_;
-  UintOf<F> slot_;
-  bool in_tables_;
-};
-
-/// Largest absolute value of four.
-template <class F>
-MLT_INLINE F largest_magnitude(const F (&v)[4]) {
-  const F low = larger(magnitude(v[0]), magnitude(v[1]));
-  const F high = larger(magnitude(v[2]), magnitude(v[3]));
-  return larger(low, high);
-}
-
-/// The corners of each ray's polygon in its sheared frame.
-template <class F>
-struct ShearedCorners {
-  F x[4], y[4], z[4];
-  F inverse_z;
-
-  MLT_INLINE ShearedCorners(const PolygonRef<F>& polygon, const WideRayFrame<F>& frame) {
-    const AxisOrder<F> order(frame);
-    const Vec3Of<F>&o = frame.ray.origin, &d = frame.ray.direction;
-    const F direction_z = order.last(d.x, d.y, d.z);
-    const F shear_x = order.first(d.x, d.y, d.z) / direction_z;
-    const F shear_y = order.second(d.x, d.y, d.z) / direction_z;
-    inverse_z = 1.0f / direction_z;
-    const F origin_x = order.first(o.x, o.y, o.z), origin_y = order.second(o.x, o.y, o.z);
-    const F origin_z = order.last(o.x, o.y, o.z);
-    Rows<F> row_x, row_y, row_z;
-    polygon.corners(order, row_x, row_y, row_z);
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i) {
-      z[i] = row_z.column[i] - origin_z;
-      x[i] = (row_x.column[i] - origin_x) - shear_x * z[i];
-      y[i] = (row_y.column[i] - origin_y) - shear_y * z[i];
-    }
-  }
-};
-
-/// cross_quad for as many rays as there are lanes, each with a polygon of its own.
-template <class F>
-MLT_INLINE WideQuadHit<F> cross_quads(const ShearedCorners<F>& corners) {
-  using M = MaskOf<F>;
-  using U = UintOf<F>;
-  const F(&x)[4] = corners.x, (&y)[4] = corners.y, (&z)[4] = corners.z;
-  F edges[4];
-#pragma GCC unroll 4
-  for (int i = 0; i < 4; ++i) edges[i] = edge_function(x[i], y[i], x[(i + 1) % 4], y[(i + 1) % 4]);
-  const F ca = edge_function(x[2], y[2], x[0], y[0]);
-  const F ac = edge_function(x[0], y[0], x[2], y[2]);
-
-  // As in cross_quad: the sign of ca divided out.
-  const U sign = as_bits(ca) & 0x80000000U;
-  F turned[4];
-#pragma GCC unroll 4
-  for (int i = 0; i < 4; ++i) turned[i] = as_floats(as_bits(edges[i]) ^ sign);
-  const M inclined = (ca > 0.0f) | (ca < 0.0f);
-  const M missed =
-      inclined & ((turned[0] < 0.0f) | (turned[1] < 0.0f)) & ((turned[2] > 0.0f) | (turned[3] > 0.0f));
-  const M in_first = (turned[0] > 0.0f) & (turned[1] > 0.0f);
-  const M in_second = (turned[2] < 0.0f) & (turned[3] < 0.0f);
-  WideQuadHit<F> hit;
-  hit.in_doubt = not_in(missed) & not_in(M(inclined & (in_first | in_second)));
-
-  const F t_a = z[0] * corners.inverse_z, t_c = z[2] * corners.inverse_z;
-  const F t_middle = select(in_first, z[1], z[3]) * corners.inverse_z;
-  const F weight_a = select(in_first, edges[1], edges[2]);
-  const F weight_middle = select(in_first, ca, ac);
-  const F weight_c = select(in_first, edges[0], edges[3]);
-  const F depth = (weight_a * t_a + weight_middle * t_middle) + weight_c * t_c;
-  const M before = (t_a > 0.0f) & (t_middle > 0.0f) & (t_c > 0.0f);
-  const M behind = (t_a <= 0.0f) & (t_middle <= 0.0f) & (t_c <= 0.0f);
-  const M straddles = not_in(M(before | behind));
-  if (any(straddles)) {
-    const F reach_x = largest_magnitude(x), reach_y = largest_magnitude(y);
-    const F t[4] = {t_a, t_middle, t_c, t_c};
-    const F error = (reach_x * reach_y) * (largest_magnitude(t) * kDepthError);
-    hit.in_doubt |= not_in(missed) & straddles & not_in(M(magnitude(depth) > error));
-  }
-  const F scale = 1.0f / ((weight_a + weight_middle) + weight_c);
-  hit.t = depth * scale;
-  hit.weight_middle = weight_middle * scale;
-  hit.weight_c = weight_c * scale;
-  hit.second = not_in(in_first);
-  hit.met = not_in(M(missed | behind)) & (hit.t > 0.0f);
-  return hit;
-}
-
-/// Where the rays enter the padded boxes of their polygons; as box_entry.
-template <class F>
-MLT_INLINE F box_entries(const Rows<F>& low, const Rows<F>& high, const WideRayFrame<F>& frame,
-                         float extent) {
-  const F padding = (frame.distance + extent) * kBoxPadding;
-  const F smallest = frame.longest * kSmallestSlope + std::numeric_limits<float>::min();
-  const F* const origin = &frame.ray.origin.x;
-  const F* const direction = &frame.ray.direction.x;
-  const F* const size = &frame.size.x;
-  F most{};
-#pragma GCC unroll 3
-  for (int axis = 0; axis < 3; ++axis) {
-    const F inverse = 1.0f / with_sign_of(larger(size[axis], smallest), direction[axis]);
-    const F near_origin = origin[axis] + with_sign_of(padding, direction[axis]);
-    const MaskOf<F> backwards = (as_bits(direction[axis]) & 0x80000000U) != 0U;
-    const F plane = select(backwards, high.column[axis], low.column[axis]);
-    most = larger((plane - near_origin) * inverse, most);
-  }
-  return most;
-}
+/// Of a key: the slot of a polygon, and kOfCell.
+inline constexpr std::uint32_t kKeyBits = 2 * kFlatSlots - 1;
+static_assert(kOfCell == kFlatSlots && (1U << kPrimitiveShift) == kKeyBits + 1);
 
 /// As key_limit.
 template <class F>
 MLT_INLINE F key_limits(F limit) {
   constexpr float kFarthest = 0x1p125f;
-  return as_floats(as_bits(smaller(limit, broadcast_to<F>(kFarthest))) +
-                   static_cast<std::uint32_t>(kFlatSlots));
+  return as_floats(as_bits(smaller(limit, broadcast_to<F>(kFarthest))) + (kKeyBits + 1));
 }
 
-/// Calls visit(block, lane, axes, crossing) for each polygon of a list, with where the rays cross its plane.
+/// Calls visit(block, lane, axes, crossing) for each polygon of a list that lies in no cell, with where the
+/// rays cross its plane.
 template <class F, class Visit>
 MLT_INLINE void for_crossings(const FlatList& list, const FlatRayOf<F>& ray, Visit&& visit) {
-  for (std::uint32_t i = 0; i < list.block_count; ++i) {
-    const FlatBlock& block = list.blocks[i];
+  for (std::uint32_t i = 0; i < list.loose_count; ++i) {
+    const FlatBlock& block = list.loose[i];
     const FlatAxes<F> axes(ray, block.axis);
     const auto used = static_cast<int>(block.used), aligned = static_cast<int>(block.aligned);
     int lane = 0;
@@ -255,20 +45,38 @@ MLT_INLINE void for_crossings(const FlatList& list, const FlatRayOf<F>& ray, Vis
   }
 }
 
-/// The least two of the keys seen so far, each a first distance with a slot in its lowest bits.
+/// The least two of the keys seen so far, each a first distance with kKeyBits in its lowest bits.
 template <class F>
 struct LeastKeys {
   static constexpr float kNever = 0x1p126f;
-  static constexpr std::uint32_t kSlotBits = kFlatSlots - 1;
+
+  F keys[kFlatSlots];
+  int count = 0;
   F least = broadcast_to<F>(kNever), next = least;
 
+  /// Rays that might hit a polygon, at `first` or behind, but those that `rejected` tells.
+  MLT_INLINE void add(const F& first, const UintOf<F>& polygon, MaskOf<F> rejected) {
+    const UintOf<F> key = (as_bits(first) & ~kKeyBits) | polygon;
+    keys[count] = as_floats(key | mask_bits(rejected));
+    rank(keys[count++]);
+  }
+  /// Passes over the least.
+  MLT_INLINE void drop_least() {
+    const F nearest = least;
+    least = next = broadcast_to<F>(kNever);
+    for (int i = 0; i < count; ++i) rank(as_floats(as_bits(keys[i]) | mask_bits(keys[i] <= nearest)));
+  }
+
+  MLT_INLINE UintOf<F> slot(MaskOf<F> active) const {
+    return select(active, as_bits(least) & (kOfCell - 1U), UintOf<F>{});
+  }
+  MLT_INLINE MaskOf<F> of_cell() const { return (as_bits(least) & kOfCell) != 0U; }
+
+ private:
   /// The order of arguments passes over NaN.
-  MLT_INLINE void add(F key) {
+  MLT_INLINE void rank(F key) {
     next = smaller(larger(least, key), next);
     least = smaller(key, least);
-  }
-  MLT_INLINE UintOf<F> slot(MaskOf<F> active) const {
-    return select(active, as_bits(least) & kSlotBits, UintOf<F>{});
   }
 };
 
@@ -282,9 +90,9 @@ struct WideBestHit {
   MLT_INLINE explicit WideBestHit(F t_max) : limit(t_max) {}
 
   /// The test that defines hits, for one polygon of each ray in `active`. Returns where it is to be done one
-  /// by one.
+  /// by one, among others where a ray misses what it `must` meet.
   MLT_INLINE MaskOf<F> visit(const FlatList& list, UintOf<F> slot, const WideRayFrame<F>& frame, float extent,
-                             MaskOf<F> active) {
+                             MaskOf<F> active, MaskOf<F> must = MaskOf<F>{}) {
     const PolygonRef<F> polygon(list, slot);
     const WideQuadHit<F> quad = cross_quads<F>(ShearedCorners<F>(polygon, frame));
     const Rows<F> low = polygon.low_row();
@@ -299,9 +107,29 @@ struct WideBestHit {
     hit.slot = select(better, as_bits(low.column[3]) | (mask_bits(quad.second) & kSecondTriangle), hit.slot);
     hit.weights[0] = select(better, quad.weight_middle, hit.weights[0]);
     hit.weights[1] = select(better, quad.weight_c, hit.weights[1]);
-    return active & quad.in_doubt;
+    return active & (quad.in_doubt | (must & not_in(quad.met)));
   }
 };
+
+/// Adds the face of each cell that rays might hit first. Returns which rays might hit others.
+template <class F>
+MLT_INLINE MaskOf<F> add_cells(const FlatList& list, const FlatRayOf<F>& ray, UintOf<F> leaves,
+                               LeastKeys<F>& found) {
+  const AxisSlopes<F> slopes(list, ray);
+  MaskOf<F> in_doubt{};
+  for (std::uint32_t i = 0; i < list.cell_count; ++i) {
+    const CellCrossing<F> crossing(list.cells[i], ray, slopes);
+    const MaskOf<F> met = crossing.met();
+    if (!any(met)) continue;
+    const CellFaces<F> faces(list.cells[i], crossing);
+    in_doubt |= met & not_in(faces.clear);
+    const MaskOf<F> enters = (crossing.enters_before() > 0.0f) & is_another<F>(faces.entry, leaves);
+    const MaskOf<F> hit = met & (enters | is_another<F>(faces.exit, leaves));
+    const F first = select(enters, crossing.enters, crossing.leaves) - crossing.error;
+    found.add(larger(first, F{}), select(enters, faces.entry, faces.exit) & kKeyBits, not_in(hit));
+  }
+  return in_doubt;
+}
 
 /// The closest hits. `leaves` are the primitives that rays start from, which they do not meet again
 /// (polygon.hpp): the fast test alone could not tell. Nothing is known of rays outside `active` or, on
@@ -311,36 +139,71 @@ MLT_INLINE HitOf<F> intersect_flat(const FlatList& list, const RayOf<F>& ray, fl
                                    MaskOf<F> active, MaskOf<F>& in_doubt) {
   const WideRayFrame<F> frame(ray);
   const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
-  F keys[kFlatSlots];
-  int count = 0;
   LeastKeys<F> found;
+  in_doubt = active & add_cells<F>(list, flat, leaves, found);
   for_crossings<F>(
       list, flat,
       [&](const FlatBlock& block, int lane, const FlatAxes<F>& axes, const PlaneCrossing<F>& plane)
           __attribute__((always_inline)) {
             const auto bounds = bound_hits<F>(PolygonCoefficients<F>{block, lane}, axes, plane);
-            const UintOf<F> key = (as_bits(bounds.first) & ~LeastKeys<F>::kSlotBits) |
-                                  static_cast<std::uint32_t>(block.slot[lane]);
-            const MaskOf<F> rejected = bounds.rejected | (leaves == block.primitive[lane]);
-            keys[count] = as_floats(key | mask_bits(rejected));
-            found.add(keys[count++]);
+            const auto slot = static_cast<std::uint32_t>(block.slot[lane]);
+            found.add(bounds.first, broadcast_bits<UintOf<F>>(slot),
+                      bounds.rejected | (leaves == block.primitive[lane]));
           });
 
   WideBestHit<F> best(ray.t_max);
-  in_doubt = MaskOf<F>{};
-  MaskOf<F> open = active & (found.least <= key_limits(best.limit));
+  MaskOf<F> open = active & not_in(in_doubt) & (found.least <= key_limits(best.limit));
   while (any(open)) {
-    in_doubt |= best.visit(list, found.slot(open), frame, extent, open);
+    in_doubt |= best.visit(list, found.slot(open), frame, extent, open, found.of_cell());
     // Few rays have another polygon that they might meet as early.
     open = open & (found.next <= key_limits(best.limit)) & not_in(in_doubt);
     if (!any(open)) [[likely]]
       break;
-    const F nearest = found.least;
-    found = LeastKeys<F>{};
-    for (int i = 0; i < count; ++i) found.add(as_floats(as_bits(keys[i]) | mask_bits(keys[i] <= nearest)));
+    found.drop_least();
     open = open & (found.least <= key_limits(best.limit));
   }
   return best.hit;
+}
+
+/// What blocks rays, as far as the fast test can tell.
+template <class F>
+struct WideBlockers {
+  MaskOf<F> blocked{};
+  MaskOf<F> doubted{}, doubted_twice{};
+  UintOf<F> doubtful{};  ///< a polygon on which there is doubt, the last one
+
+  MLT_INLINE void add(MaskOf<F> possible, MaskOf<F> sure, const UintOf<F>& polygon) {
+    blocked |= sure;
+    doubted_twice |= doubted & possible;
+    doubted |= possible;
+    doubtful = select(possible, polygon, doubtful);
+  }
+};
+
+/// Whether faces of cells block rays before `limit`.
+template <class F>
+MLT_INLINE void add_cells(const FlatList& list, const FlatRayOf<F>& ray, F limit, const SegmentEnds<F>& ends,
+                          WideBlockers<F>& blockers) {
+  using M = MaskOf<F>;
+  const AxisSlopes<F> slopes(list, ray);
+  for (std::uint32_t i = 0; i < list.cell_count; ++i) {
+    const CellCrossing<F> crossing(list.cells[i], ray, slopes);
+    const M met = crossing.met() & not_in(M(crossing.enters_after() >= limit));
+    if (!any(met)) continue;
+    const CellFaces<F> faces(list.cells[i], crossing);
+    const auto is_free = [&](const UintOf<F>& face) __attribute__((always_inline)) {
+      return is_another<F>(face, ends.leaves) & is_another<F>(face, ends.target);
+    };
+    const M unclear = met & not_in(faces.clear);
+    blockers.doubted |= unclear;
+    blockers.doubted_twice |= unclear;
+    const M enters = met & (crossing.enters_before() > 0.0f) & is_free(faces.entry);
+    const M leaves = met & (crossing.leaves_after() < limit) & is_free(faces.exit);
+    const M enters_surely = (crossing.enters_after() > 0.0f) & (crossing.enters_before() < limit);
+    const M leaves_surely = (crossing.leaves_after() > 0.0f) & (crossing.leaves_before() < limit);
+    blockers.add(enters, enters & faces.clear & enters_surely, faces.entry);
+    blockers.add(leaves, leaves & faces.clear & leaves_surely, faces.exit);
+  }
 }
 
 /// Which rays the list blocks, but for their targets. Nothing is known of rays outside `active` or, on
@@ -351,10 +214,8 @@ MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, fl
   using U = UintOf<F>;
   const WideRayFrame<F> frame(ray);
   const FlatRayOf<F> flat(ray, frame.longest, frame.distance, extent);
-  MaskOf<F> blocked{};
-  // Polygons on which there is doubt: mostly none, or the light at the segment's end.
-  MaskOf<F> doubted{}, doubted_twice{};
-  U doubtful{};
+  WideBlockers<F> blockers;
+  add_cells<F>(list, flat, ray.t_max, ends, blockers);
   for_crossings<F>(
       list, flat,
       [&](const FlatBlock& block, int lane, const FlatAxes<F>& axes, const PlaneCrossing<F>& plane)
@@ -363,19 +224,17 @@ MLT_INLINE MaskOf<F> flat_occludes(const FlatList& list, const RayOf<F>& ray, fl
             const MaskOf<F> is_end = (ends.leaves == primitive) | (ends.target == primitive);
             const auto bounds =
                 bound_hits<F>(PolygonCoefficients<F>{block, lane}, axes, plane, ray.t_max, is_end);
-            blocked |= bounds.sure;
-            const MaskOf<F> possible = not_in(bounds.rejected);
-            doubted_twice |= doubted & possible;
-            doubted |= possible;
-            doubtful =
-                select(possible, broadcast_bits<U>(static_cast<std::uint32_t>(block.slot[lane])), doubtful);
+            blockers.add(not_in(bounds.rejected), bounds.sure,
+                         broadcast_bits<U>(static_cast<std::uint32_t>(block.slot[lane])));
           });
-  doubted = active & doubted & not_in(blocked);
-  in_doubt = doubted & doubted_twice;
+  MaskOf<F> blocked = blockers.blocked;
+  MaskOf<F> doubted = active & blockers.doubted & not_in(blocked);
+  in_doubt = doubted & blockers.doubted_twice;
   doubted = doubted & not_in(in_doubt);
   if (any(doubted)) {
     WideBestHit<F> met(ray.t_max);
-    in_doubt |= met.visit(list, select(doubted, doubtful, U{}), frame, extent, doubted);
+    const U slot = select(doubted, blockers.doubtful & (kOfCell - 1U), U{});
+    in_doubt |= met.visit(list, slot, frame, extent, doubted);
     blocked |= doubted & not_in(in_doubt) & met.hit.found();
   }
   return blocked;

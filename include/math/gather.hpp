@@ -122,6 +122,24 @@ MLT_INLINE F table_entries(const float* table, UintOf<F> index, bool beyond_32) 
   return result;
 }
 
+/// Entry index[i] (its lowest 3 bits) of an aligned table of 8 words, whose memory is that of 16, in lane i.
+template <class F>
+MLT_INLINE UintOf<F> small_table_entries(const std::uint32_t* table, UintOf<F> index) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(F) == 64) {
+    return std::bit_cast<UintOf<F>>(
+        _mm512_permutexvar_epi32(std::bit_cast<__m512i>(index), _mm512_load_si512(table)));
+  }
+#endif
+#if defined(__AVX2__)
+  if constexpr (sizeof(F) == 32) {
+    const __m256i entries = _mm256_load_si256(reinterpret_cast<const __m256i*>(table));
+    return std::bit_cast<UintOf<F>>(_mm256_permutevar8x32_epi32(entries, std::bit_cast<__m256i>(index)));
+  }
+#endif
+  return gather_bytes<F>(table, (index & 7U) * 4U);
+}
+
 /// The four floats at `base` + offset[i] bytes, in lane i.
 template <class F>
 MLT_INLINE Rows<F> gather_rows(const float* base, UintOf<F> offset) {

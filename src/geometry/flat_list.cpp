@@ -37,8 +37,11 @@ Functional centred(const Functional& f, const double (&p_i)[4], const double (&p
   return {f.i * scale, f.j * scale, (f.at_0 + 0.5 * (low + high)) * scale};
 }
 
+DVec3 area_vector(const DVec3& a, const DVec3& b, const DVec3& c) {
+  return cross(b - a, c - a);
+}
 DVec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return cross(DVec3{b} - DVec3{a}, DVec3{c} - DVec3{a});
+  return area_vector(DVec3{a}, DVec3{b}, DVec3{c});
 }
 
 void clear_block(FlatBlock& block, std::uint32_t index, int axis) {
@@ -56,7 +59,6 @@ struct Layout {
   double n_i, n_j, offset;  ///< the plane of a, b, c
   double p_i[4], p_j[4];    ///< corners
   double off_plane = 0;     ///< greatest distance of a corner from the plane, along k
-  double size;              ///< greatest extent
 
   Layout(const Quad& q, int k, int i, int j) {
     const DVec3 corners[4] = {DVec3{q.a}, DVec3{q.b}, DVec3{q.c}, DVec3{q.d}};
@@ -64,18 +66,12 @@ struct Layout {
     n_i = n[i] / n[k];
     n_j = n[j] / n[k];
     offset = (corners[0][k] + n_i * corners[0][i]) + n_j * corners[0][j];
-    DVec3 low = corners[0], high = corners[0];
     for (int vertex = 0; vertex < 4; ++vertex) {
       const DVec3& p = corners[vertex];
       p_i[vertex] = p[i];
       p_j[vertex] = p[j];
       off_plane = std::max(off_plane, std::fabs(((p[k] + n_i * p[i]) + n_j * p[j]) - offset));
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], p[axis]);
-        high[axis] = std::max(high[axis], p[axis]);
-      }
     }
-    size = largest_component(high - low);
   }
 };
 
@@ -104,13 +100,10 @@ void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
   const Square square(at);
   const Functional &u = square.u, &v = square.v;
 
-  // A second triangle without area is never hit.
-  const double other = std::fabs(area_vector(q.a, q.c, q.d)[k]);
-  double smallest = std::fabs(area_vector(q.a, q.b, q.c)[k]);
-  if (other != 0) smallest = std::min(smallest, other);
   const double plane_error =
       ((1 + std::fabs(at.n_i)) + std::fabs(at.n_j)) + at.off_plane / (6 * kRoundoff * extent);
-  const double weight_error = 48.0 / 32.0 * at.size * at.size * (at.size / smallest) / extent;
+  const DVec3 corners[4] = {DVec3{q.a}, DVec3{q.b}, DVec3{q.c}, DVec3{q.d}};
+  const double weight_error = depth_weight_error(corners, k, extent);
   const double reach = std::max(u.reach(), v.reach());
 
   block.normal_i[lane] = static_cast<float>(at.n_i);
@@ -128,7 +121,35 @@ void set_lane(FlatBlock& block, int lane, const Quad& q, double extent) {
   block.inner[lane] = square.off_corner < 0.01 ? static_cast<float>(0.5 - 2 * square.off_corner) : -1.0f;
 }
 
+/// Copies lane `from` of one block to lane `to` of another.
+void copy_lane(const FlatBlock& source, int from, FlatBlock& block, int to) {
+  constexpr LaneFloat FlatBlock::*kCoefficients[] = {
+      &FlatBlock::normal_i, &FlatBlock::normal_j,    &FlatBlock::offset,      &FlatBlock::u_i,
+      &FlatBlock::u_j,      &FlatBlock::u_0,         &FlatBlock::v_i,         &FlatBlock::v_j,
+      &FlatBlock::v_0,      &FlatBlock::plane_error, &FlatBlock::depth_error, &FlatBlock::position_error,
+      &FlatBlock::inner};
+  for (const auto coefficient : kCoefficients) (block.*coefficient)[to] = (source.*coefficient)[from];
+  block.slot[to] = source.slot[from];
+  block.primitive[to] = source.primitive[from];
+}
+
 }  // namespace
+
+double depth_weight_error(const DVec3 (&corners)[4], int k, double extent) {
+  DVec3 low = corners[0], high = corners[0];
+  for (const DVec3& corner : corners) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], corner[axis]);
+      high[axis] = std::max(high[axis], corner[axis]);
+    }
+  }
+  const double size = largest_component(high - low);
+  // A second triangle without area is never hit.
+  const double other = std::fabs(area_vector(corners[0], corners[2], corners[3])[k]);
+  double smallest = std::fabs(area_vector(corners[0], corners[1], corners[2])[k]);
+  if (other != 0) smallest = std::min(smallest, other);
+  return 48.0 / 32.0 * size * size * (size / smallest) / extent;
+}
 
 int FlatListBuilder::axis_of(const Quad& q) {
   const DVec3 n = area_vector(q.a, q.b, q.c);
@@ -146,7 +167,7 @@ FlatListBuilder::FlatListBuilder(FlatList& list, std::uint32_t first_slot, float
     : list_(list), first_slot_(first_slot), extent_(extent) {}
 
 void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon) {
-  if (axis != axis_) finish();
+  if (axis != axis_) finish_axis();
   axis_ = axis;
   MLT_CHECK_OP(slot_, <, std::uint32_t{kFlatSlots});
   FlatBlock& block = list_.blocks[slot_ / kLanes];
@@ -166,8 +187,49 @@ void FlatListBuilder::add(int axis, const Quad& quad, const FlatPolygon& polygon
 }
 
 void FlatListBuilder::finish() {
+  finish_axis();
+  find_cells();
+}
+
+void FlatListBuilder::finish_axis() {
   for (; slot_ % kLanes != 0; ++slot_) list_.polygons[slot_] = FlatPolygon{};
   list_.block_count = slot_ / kLanes;
+}
+
+void FlatListBuilder::find_cells() {
+  std::uint32_t slots[kFlatSlots];
+  std::uint32_t count = 0;
+  for (std::uint32_t slot = 0; slot < slot_; ++slot) {
+    const FlatBlock& block = list_.blocks[slot / kLanes];
+    if (slot % kLanes < block.used) slots[count++] = slot;
+  }
+  bool in_cell[kFlatSlots];
+  list_.cell_count = mlt::find_cells(list_.polygons, {slots, count}, extent_, list_.cells, in_cell);
+  list_.cell_axes = 0;
+  for (std::uint32_t cell = 0; cell < list_.cell_count; ++cell) {
+    for (const CellSlab& slab : list_.cells[cell].slabs)
+      list_.cell_axes |= slab.aligned ? 1U << slab.axis : 0U;
+  }
+  list_.loose_count = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (!in_cell[slots[i]]) add_loose(slots[i]);
+  }
+}
+
+/// The order of blocks, by axes and with the aligned polygons first, is that of loose ones too.
+void FlatListBuilder::add_loose(std::uint32_t slot) {
+  const FlatBlock& source = list_.blocks[slot / kLanes];
+  const auto lane = static_cast<int>(slot % kLanes);
+  FlatBlock* block = list_.loose_count > 0 ? &list_.loose[list_.loose_count - 1] : nullptr;
+  if (block == nullptr || block->axis != source.axis || block->used == kLanes) {
+    block = &list_.loose[list_.loose_count++];
+    clear_block(*block, 0, static_cast<int>(source.axis));
+  }
+  const bool is_aligned = slot % kLanes < source.aligned;
+  MLT_CHECK(!is_aligned || block->aligned == block->used);
+  copy_lane(source, lane, *block, static_cast<int>(block->used));
+  ++block->used;
+  if (is_aligned) ++block->aligned;
 }
 
 }  // namespace mlt

@@ -40,6 +40,45 @@ Shapes crossing_quads(std::uint64_t seed) {
   return shapes;
 }
 
+/// A parallelepiped's faces, of which some are left out, each from another corner on and either way round.
+void add_cell(Shapes& shapes, const Vec3& corner, const Vec3 (&edges)[3], unsigned faces, Rng& rng) {
+  for (unsigned i = 0; i < 6; ++i) {
+    const Vec3 from = i % 2 == 1 ? corner + edges[i / 2] : corner;
+    const Vec3 u = edges[(i / 2 + 1) % 3], v = edges[(i / 2 + 2) % 3];
+    const Vec3 corners[4] = {from, from + u, from + u + v, from + v};
+    const std::uint32_t start = rng.next_fixed() % 4, step = rng.next_fixed() % 2 == 0 ? 1 : 3;
+    const auto at = [&](std::uint32_t k) { return corners[(start + k * step) % 4]; };
+    if ((faces >> i & 1U) != 0) shapes.quads.push_back(Quad{at(0), at(1), at(2), at(3)});
+  }
+}
+
+/// A room with an open side, blocks that stand on its floor, one against the other, a lamp in the ceiling, a
+/// skewed block with missing faces, a thin one, and quads that cut through all.
+Shapes rooms(std::uint64_t seed) {
+  Rng rng(seed, StreamPurpose::kTest, 2);
+  Shapes shapes;
+  const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const Vec3 low{-1, -1, -1}, room[3] = {x * 2.0f, y * 2.0f, z * 2.0f};
+  add_cell(shapes, low, room, 0x2fU, rng);
+  const Vec3 lamp{-0.2f, 1, -0.2f};
+  shapes.quads.push_back(Quad{lamp, lamp + x * 0.4f, lamp + x * 0.4f + z * 0.3f, lamp + z * 0.3f});
+  const float angle = rng.next_float();
+  const Vec3 u{std::cos(angle) * 0.5f, 0, std::sin(angle) * 0.5f},
+      v{std::sin(angle) * -0.4f, 0, std::cos(angle) * 0.4f};
+  const Vec3 block[3] = {u, v, y * 0.7f};
+  add_cell(shapes, Vec3{-0.6f, -1, -0.4f}, block, 0x3fU, rng);
+  add_cell(shapes, Vec3{-0.6f, -1, -0.4f} + v, block, 0x3fU, rng);
+  const Vec3 skewed[3] = {point_in_cube(rng), point_in_cube(rng), point_in_cube(rng)};
+  add_cell(shapes, point_in_cube(rng), skewed, 0x15U | rng.next_fixed() % 64, rng);
+  const Vec3 thin[3] = {x * 0.3f, y * 1e-4f, z * 0.3f};
+  add_cell(shapes, point_in_cube(rng) * 0.5f, thin, 0x3fU, rng);
+  while (shapes.quads.size() < kQuads) {
+    const Vec3 a = point_in_cube(rng), b = point_in_cube(rng), c = point_in_cube(rng);
+    shapes.quads.push_back(Quad{a, a + b, a + b + c, a + c});
+  }
+  return shapes;
+}
+
 /// A direction, towards a corner or an edge of some quad every other time.
 Vec3 direction_from(const Vec3& origin, const Shapes& shapes, Rng& rng) {
   const Quad& quad = shapes.quads[rng.next_fixed() % shapes.quads.size()];
@@ -78,10 +117,10 @@ void check_same(const Hit& found, const Hit& expected) {
   REQUIRE(as_bits(found.weights[1]) == as_bits(expected.weights[1]));
 }
 
-TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
+void check_lanes(Shapes (&shapes_of)(std::uint64_t)) {
   int hits = 0, blocked = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    const Shapes shapes = crossing_quads(seed);
+    const Shapes shapes = shapes_of(seed);
     const BuiltGeometry built(shapes, kAlwaysBounds);
     const Geometry& geometry = *built;
     Rng rng(seed, StreamPurpose::kTest, 1);
@@ -120,6 +159,14 @@ TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
   }
   CHECK(hits > 10000);
   CHECK(blocked > 5000);
+}
+
+TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
+  check_lanes(crossing_quads);
+}
+
+TEST_CASE("rays in lanes meet rooms and blocks, which are tested whole, as they meet their faces alone") {
+  check_lanes(rooms);
 }
 
 }  // namespace
