@@ -33,7 +33,7 @@ struct GeometryCounts {
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
-  // Flat polygons without spheres lie in a FlatList up to these, else in QuadBlocks.
+  // Flat polygons, with or without flat spheres, lie in a FlatList up to these, else in QuadBlocks.
   std::uint32_t bounded_quads = 48;
   std::uint32_t bounded_triangles = 0;
 };
@@ -121,6 +121,13 @@ class Geometry {
  private:
   bool takes_turns() const {
     return triangles_.nodes != nullptr && first_sphere_ - first_in_triangles_ >= kLeastForTurns;
+  }
+  /// Whether rays in lanes meet all there is together: a flat list of polygons, and spheres if kGeneral.
+  template <bool kGeneral>
+  bool is_flat() const {
+    if constexpr (!kGeneral) return !flat_lists_.empty();
+    return flat_lists_.size() <= 1 && quads_.block_count == 0 && triangles_.block_count == 0 &&
+           spheres_.nodes == nullptr;
   }
   template <class F>
   void intersect_in_turns(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;

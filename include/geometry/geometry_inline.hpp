@@ -5,6 +5,7 @@
 #include "geometry/surface.hpp"
 #include "geometry/turns.hpp"
 #include "geometry/wide_flat.hpp"
+#include "geometry/wide_sphere.hpp"
 
 namespace mlt {
 
@@ -320,8 +321,12 @@ MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintO
                                                 const MaskOf<F>& active) const {
   HitOf<F> hits;
   MaskOf<F> alone = active;
-  if constexpr (!kGeneral && VectorType<F>) {
-    if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
+  if constexpr (VectorType<F>) {
+    if (is_flat<kGeneral>()) {
+      alone = MaskOf<F>{};
+      if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
+      if constexpr (kGeneral) intersect_spheres<F>(spheres_.blocks, spheres_.block_count, ray, extent_, hits);
+    }
   }
   if (!any(alone)) return hits;
   const LaneRays<F> rays(ray, alone);
@@ -340,9 +345,13 @@ MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const Segme
                                                 const MaskOf<F>& active) const {
   MaskOf<F> blocked{};
   MaskOf<F> alone = active;
-  if constexpr (!kGeneral && VectorType<F>) {
-    if (!flat_lists_.empty()) {
-      blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
+  if constexpr (VectorType<F>) {
+    if (is_flat<kGeneral>()) {
+      alone = MaskOf<F>{};
+      if (!flat_lists_.empty()) blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
+      if constexpr (kGeneral) {
+        blocked |= spheres_occlude<F>(spheres_.blocks, spheres_.block_count, ray, extent_);
+      }
     }
   }
   if (!any(alone)) return blocked;
@@ -359,10 +368,21 @@ MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const Segme
 template <bool kGeneral, class F>
 MLT_NOINLINE SurfacePointOf<F> Geometry::surface_points(const RayOf<F>& ray, const HitOf<F>& hits,
                                                         const MaskOf<F>& active) const {
-  if constexpr (!kGeneral && VectorType<F>) {
-    if (!flat_lists_.empty()) return flat_points<F>(flat_lists_[0], hits);
-  }
   SurfacePointOf<F> points;
+  if constexpr (VectorType<F>) {
+    if (is_flat<kGeneral>()) {
+      if (!flat_lists_.empty()) points = flat_points<F>(flat_lists_[0], hits);
+      if constexpr (kGeneral) {
+        const MaskOf<F> on_sphere = active & (hits.primitive >= first_sphere_) & hits.found();
+        if (!any(on_sphere)) return points;
+        const SurfacePointOf<F> round = sphere_points<F>(spheres_.blocks, ray, hits, on_sphere);
+        points.position = select(on_sphere, round.position, points.position);
+        points.normal = select(on_sphere, round.normal, points.normal);
+        points.offset_bound = select(on_sphere, round.offset_bound, points.offset_bound);
+      }
+      return points;
+    }
+  }
   for_lanes(active, [&](int lane) {
     const SurfacePoint point = surface_point<kGeneral>(lane_of(ray, lane), lane_of(hits, lane));
     set_lane_of(points.position, lane, point.position);

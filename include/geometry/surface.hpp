@@ -57,16 +57,20 @@ MLT_INLINE SurfacePoint quad_point(const QuadRecord& quad, bool second, const Hi
 
 /// The point is moved along its radius onto the sphere, off by 5u radius + u|p|. A ray that leaves from there
 /// must find its origin outside (or inside) by a difference of squares that is off by 7u radius^2.
-MLT_INLINE SurfacePoint sphere_point(const SphereBlock& block, int lane, const Ray& ray, float t) {
-  const Vec3 center{block.center[0][lane], block.center[1][lane], block.center[2][lane]};
-  const float radius = block.radius[lane];
-  SurfacePoint point;
+template <class F>
+MLT_INLINE SurfacePointOf<F> sphere_point(const Vec3Of<F>& center, const F& radius, const RayOf<F>& ray,
+                                          const F& t) {
+  SurfacePointOf<F> point;
   point.normal = normalize((ray.origin + ray.direction * t) - center);
   point.position = center + point.normal * radius;
-  const float reach =
-      (std::fabs(point.position.x) + std::fabs(point.position.y)) + std::fabs(point.position.z);
+  const F reach = (magnitude(point.position.x) + magnitude(point.position.y)) + magnitude(point.position.z);
   point.offset_bound = kUnitRoundoff * (4.0f * reach + 16.0f * radius);
   return point;
+}
+
+MLT_INLINE SurfacePoint sphere_point(const SphereBlock& block, int lane, const Ray& ray, float t) {
+  const Vec3 center{block.center[0][lane], block.center[1][lane], block.center[2][lane]};
+  return sphere_point<float>(center, block.radius[lane], ray, t);
 }
 
 }  // namespace mlt

@@ -96,7 +96,7 @@ struct WideBestHit {
     const PolygonRef<F> polygon(list, slot);
     const WideQuadHit<F> quad = cross_quads<F>(ShearedCorners<F>(polygon, frame));
     const Rows<F> low = polygon.low_row();
-    const F entry = box_entries<F>(low, polygon.high_row(), frame, extent);
+    const F entry = box_entries<F>(low, polygon.high_row(), WideSlabs<F>(frame, extent));
     const F t = select(entry > quad.t, entry, quad.t);
     const UintOf<F> primitive = as_bits(polygon.normal_row().column[3]);
     const MaskOf<F> better = active & quad.met & ((t < limit) | ((t == limit) & (primitive < tie_below)));

@@ -202,23 +202,34 @@ MLT_INLINE WideQuadHit<F> cross_quads(const ShearedCorners<F>& corners) {
   return hit;
 }
 
+/// Slabs of many rays; as RaySlabs.
+template <class F>
+struct WideSlabs {
+  F near_origin[3], inverse[3];
+
+  MLT_INLINE WideSlabs(const WideRayFrame<F>& frame, float extent) {
+    const F padding = (frame.distance + extent) * kBoxPadding;
+    const F smallest = frame.longest * kSmallestSlope + std::numeric_limits<float>::min();
+    const F* const origin = &frame.ray.origin.x;
+    const F* const direction = &frame.ray.direction.x;
+    const F* const size = &frame.size.x;
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; ++axis) {
+      inverse[axis] = 1.0f / with_sign_of(larger(size[axis], smallest), direction[axis]);
+      near_origin[axis] = origin[axis] + with_sign_of(padding, direction[axis]);
+    }
+  }
+};
+
 /// Where the rays enter the padded boxes of their polygons; as box_entry.
 template <class F>
-MLT_INLINE F box_entries(const Rows<F>& low, const Rows<F>& high, const WideRayFrame<F>& frame,
-                         float extent) {
-  const F padding = (frame.distance + extent) * kBoxPadding;
-  const F smallest = frame.longest * kSmallestSlope + std::numeric_limits<float>::min();
-  const F* const origin = &frame.ray.origin.x;
-  const F* const direction = &frame.ray.direction.x;
-  const F* const size = &frame.size.x;
+MLT_INLINE F box_entries(const Rows<F>& low, const Rows<F>& high, const WideSlabs<F>& slabs) {
   F most{};
 #pragma GCC unroll 3
   for (int axis = 0; axis < 3; ++axis) {
-    const F inverse = 1.0f / with_sign_of(larger(size[axis], smallest), direction[axis]);
-    const F near_origin = origin[axis] + with_sign_of(padding, direction[axis]);
-    const MaskOf<F> backwards = (as_bits(direction[axis]) & 0x80000000U) != 0U;
+    const MaskOf<F> backwards = (as_bits(slabs.inverse[axis]) & 0x80000000U) != 0U;
     const F plane = select(backwards, high.column[axis], low.column[axis]);
-    most = larger((plane - near_origin) * inverse, most);
+    most = larger((plane - slabs.near_origin[axis]) * slabs.inverse[axis], most);
   }
   return most;
 }

@@ -339,7 +339,7 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
   GeometrySlots slots;
   const std::uint32_t count = few ? counts.quads + counts.triangles : counts.quads;
   const std::string name = few ? "polygons" : "quads";
-  if (!is_general(counts, limits) && counts.quads <= limits.bounded_quads &&
+  if (few && counts.spheres <= limits.spheres && counts.quads <= limits.bounded_quads &&
       counts.triangles <= limits.bounded_triangles) {
     slots.flat = plan_flat(plan, name, count);
   } else {

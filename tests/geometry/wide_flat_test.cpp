@@ -79,8 +79,37 @@ Shapes rooms(std::uint64_t seed) {
   return shapes;
 }
 
-/// A direction, towards a corner or an edge of some quad every other time.
+/// Spheres of many sizes that cross each other and walls, one twice in the same place.
+void add_spheres(Shapes& shapes, std::uint64_t seed) {
+  Rng rng(seed, StreamPurpose::kTest, 3);
+  for (int i = 0; i < 9; ++i) {
+    const Vec3 center = point_in_cube(rng);
+    shapes.spheres.push_back({center, 0.5f * rng.next_float() * rng.next_float()});
+  }
+  shapes.spheres.push_back(shapes.spheres[3]);
+}
+
+Shapes rooms_with_spheres(std::uint64_t seed) {
+  Shapes shapes = rooms(seed);
+  add_spheres(shapes, seed);
+  return shapes;
+}
+
+Shapes spheres_alone(std::uint64_t seed) {
+  Shapes shapes;
+  add_spheres(shapes, seed);
+  return shapes;
+}
+
+/// A direction, towards the rim of a sphere or a corner or an edge of a quad more often than not.
 Vec3 direction_from(const Vec3& origin, const Shapes& shapes, Rng& rng) {
+  if (!shapes.spheres.empty() && (shapes.quads.empty() || rng.next_fixed() % 2 == 0)) {
+    const Sphere& sphere = shapes.spheres[rng.next_fixed() % shapes.spheres.size()];
+    const Vec3 to_center = sphere.center - origin;
+    const Vec3 aside = normalize(cross(to_center, point_in_cube(rng)));
+    const float part = rng.next_fixed() % 2 == 0 ? 1.0f : 1.2f * rng.next_float();
+    return to_center + aside * (sphere.radius * part);
+  }
   const Quad& quad = shapes.quads[rng.next_fixed() % shapes.quads.size()];
   const std::uint32_t kind = rng.next_fixed() % 4;
   const float along = rng.next_float();
@@ -99,24 +128,26 @@ struct RayInLane {
 RayInLane some_ray(const Geometry& geometry, const Shapes& shapes, Rng& rng) {
   const Vec3 origin = point_in_cube(rng) * 1.5f;
   const Ray first{origin, direction_from(origin, shapes, rng), std::numeric_limits<float>::infinity()};
-  const Hit hit = geometry.intersect<false>(first);
+  const Hit hit = geometry.intersect<true>(first);
   const std::uint32_t choice = rng.next_fixed() % 3;
   const Vec3 away = point_in_cube(rng);
   if (choice == 0 || !hit.found()) return {first};
-  const SurfacePoint point = geometry.surface_point<false>(first, hit);
+  const SurfacePoint point = geometry.surface_point<true>(first, hit);
   const Vec3 origin_off = point.origin_towards(away);
   return {Ray{origin_off, away, choice == 1 ? first.t_max : 1.0f}, hit.primitive};
 }
 
-void check_same(const Hit& found, const Hit& expected) {
+void check_same(const Hit& found, const Hit& expected, std::size_t polygons) {
   REQUIRE(found.primitive == expected.primitive);
   if (!expected.found()) return;
   REQUIRE(as_bits(found.t) == as_bits(expected.t));
   REQUIRE(found.slot == expected.slot);
+  if (expected.primitive >= polygons) return;
   REQUIRE(as_bits(found.weights[0]) == as_bits(expected.weights[0]));
   REQUIRE(as_bits(found.weights[1]) == as_bits(expected.weights[1]));
 }
 
+template <bool kGeneral>
 void check_lanes(Shapes (&shapes_of)(std::uint64_t)) {
   int hits = 0, blocked = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -138,19 +169,19 @@ void check_lanes(Shapes (&shapes_of)(std::uint64_t)) {
         set_lane_of(ends.target, lane, rng.next_fixed() % kQuads);
         if (rng.next_float() < 0.9f) set_lane_of(active, lane, kLaneTrue<F>);
       }
-      const HitOf<F> found = geometry.intersect_lanes<false, F>(rays, ends.leaves, active);
-      const MaskOf<F> is_blocked = geometry.occluded_lanes<false, F>(rays, ends, active);
-      const SurfacePointOf<F> points = geometry.surface_points<false, F>(rays, found, active);
+      const HitOf<F> found = geometry.intersect_lanes<kGeneral, F>(rays, ends.leaves, active);
+      const MaskOf<F> is_blocked = geometry.occluded_lanes<kGeneral, F>(rays, ends, active);
+      const SurfacePointOf<F> points = geometry.surface_points<kGeneral, F>(rays, found, active);
       for_lanes(active, [&](int lane) {
         const Ray& ray = alone[lane].ray;
-        const Hit expected = geometry.intersect<false>(ray);
-        check_same(lane_of(found, lane), expected);
-        const bool expected_block = geometry.occluded<false>(ray, lane_of(ends.target, lane));
+        const Hit expected = geometry.intersect<kGeneral>(ray);
+        check_same(lane_of(found, lane), expected, shapes.quads.size());
+        const bool expected_block = geometry.occluded<kGeneral>(ray, lane_of(ends.target, lane));
         REQUIRE((lane_of(is_blocked, lane) != 0) == expected_block);
         hits += expected.found() ? 1 : 0;
         blocked += expected_block ? 1 : 0;
         if (!expected.found()) return;
-        const SurfacePoint point = geometry.surface_point<false>(ray, expected);
+        const SurfacePoint point = geometry.surface_point<kGeneral>(ray, expected);
         REQUIRE(lane_of(points.position, lane) == point.position);
         REQUIRE(lane_of(points.normal, lane) == point.normal);
         REQUIRE(as_bits(lane_of(points.offset_bound, lane)) == as_bits(point.offset_bound));
@@ -162,11 +193,16 @@ void check_lanes(Shapes (&shapes_of)(std::uint64_t)) {
 }
 
 TEST_CASE("rays in lanes meet what they meet alone, and are blocked as alone") {
-  check_lanes(crossing_quads);
+  check_lanes<false>(crossing_quads);
 }
 
 TEST_CASE("rays in lanes meet rooms and blocks, which are tested whole, as they meet their faces alone") {
-  check_lanes(rooms);
+  check_lanes<false>(rooms);
+}
+
+TEST_CASE("rays in lanes meet spheres in rooms, and spheres alone, as they meet them alone") {
+  check_lanes<true>(rooms_with_spheres);
+  check_lanes<true>(spheres_alone);
 }
 
 }  // namespace
