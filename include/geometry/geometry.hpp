@@ -33,9 +33,10 @@ struct GeometryCounts {
 struct FlatLimits {
   std::uint32_t polygons = 48;  ///< quads and triangles together
   std::uint32_t spheres = 64;
-  // Flat polygons, with or without flat spheres, lie in a FlatList up to these, else in QuadBlocks.
+  // Flat polygons, with or without flat spheres, lie in a FlatList up to these, else in QuadBlocks: with
+  // four lanes always where there are triangles, which the fast test sees as twice their size.
   std::uint32_t bounded_quads = 48;
-  std::uint32_t bounded_triangles = 0;
+  std::uint32_t bounded_triangles = kLanes >= 8 ? 48 : 0;
 };
 
 struct GeometryInput {

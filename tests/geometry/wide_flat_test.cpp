@@ -89,8 +89,16 @@ void add_spheres(Shapes& shapes, std::uint64_t seed) {
   shapes.spheres.push_back(shapes.spheres[3]);
 }
 
+/// With a pyramid and some more triangles, which lie in the same list.
 Shapes rooms_with_spheres(std::uint64_t seed) {
   Shapes shapes = rooms(seed);
+  Rng rng(seed, StreamPurpose::kTest, 4);
+  const Vec3 top = point_in_cube(rng), base[3] = {point_in_cube(rng), point_in_cube(rng), point_in_cube(rng)};
+  for (int i = 0; i < 3; ++i) shapes.triangles.push_back({top, base[i], base[(i + 1) % 3]});
+  for (int i = 0; i < 6; ++i) {
+    const Vec3 a = point_in_cube(rng), b = point_in_cube(rng), c = point_in_cube(rng);
+    shapes.triangles.push_back({a, b, c});
+  }
   add_spheres(shapes, seed);
   return shapes;
 }
@@ -175,7 +183,7 @@ void check_lanes(Shapes (&shapes_of)(std::uint64_t)) {
       for_lanes(active, [&](int lane) {
         const Ray& ray = alone[lane].ray;
         const Hit expected = geometry.intersect<kGeneral>(ray);
-        check_same(lane_of(found, lane), expected, shapes.quads.size());
+        check_same(lane_of(found, lane), expected, shapes.quads.size() + shapes.triangles.size());
         const bool expected_block = geometry.occluded<kGeneral>(ray, lane_of(ends.target, lane));
         REQUIRE((lane_of(is_blocked, lane) != 0) == expected_block);
         hits += expected.found() ? 1 : 0;
