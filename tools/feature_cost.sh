@@ -169,7 +169,7 @@ for kind in materials lights meshes; do
   for integrator in path pssmlt; do
     more=$(change "$(cost full "unused-$kind" $integrator)" "$(cost full plain $integrator)")
     expect_empty "unused $kind: $integrator: $more %" \
-      "$(if above "${more#-}" "$limit"; then echo "allowed is $limit %"; failed full "unused-$kind" $integrator; fi)"
+      "$(above "${more#-}" "$limit" && echo "allowed is $limit %" && failed full "unused-$kind" $integrator)"
   done
 done
 closing

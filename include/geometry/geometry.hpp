@@ -29,15 +29,19 @@ struct GeometryCounts {
 };
 
 /// Up to so many primitives lie in a flat list. The same for every SIMD width, so that the features of a
-/// scene are. Where a bounce and a shadow ray together cost the same (tests/bench/ray_bench.cpp).
+/// scene are. Where a bounce and a shadow ray of groups together cost the same as in a tree, with eight
+/// lanes; with four that is at half as many, unless they are walls and blocks (tests/bench/ray_bench.cpp).
 struct FlatLimits {
-  std::uint32_t polygons = 48;  ///< quads and triangles together
+  std::uint32_t polygons = 112;  ///< quads and triangles together
+  std::uint32_t triangles = 64;
   std::uint32_t spheres = 64;
-  // Flat polygons, with or without flat spheres, lie in a FlatList up to these, else in QuadBlocks: with
-  // four lanes always where there are triangles, which the fast test sees as twice their size.
-  std::uint32_t bounded_quads = 48;
-  std::uint32_t bounded_triangles = kLanes >= 8 ? 48 : 0;
+  // Few polygons, or few quads beside a hierarchy of triangles, lie in a FlatList up to these, else in
+  // QuadBlocks: with four lanes always where there are triangles, which the fast test sees as twice their
+  // size.
+  std::uint32_t bounded_quads = 112;
+  std::uint32_t bounded_triangles = kLanes >= 8 ? 64 : 0;
 };
+static_assert(FlatLimits{}.polygons <= kFlatPolygons);
 
 struct GeometryInput {
   std::span<const Quad> quads;
@@ -123,17 +127,18 @@ class Geometry {
   bool takes_turns() const {
     return triangles_.nodes != nullptr && first_sphere_ - first_in_triangles_ >= kLeastForTurns;
   }
-  /// Whether rays in lanes meet all there is together: a flat list of polygons, and spheres if kGeneral.
+  /// Whether rays in lanes meet all there is together but a hierarchy of triangles: one flat list of polygons
+  /// at most, and if kGeneral, a flat list of spheres.
   template <bool kGeneral>
-  bool is_flat() const {
+  bool has_lanes() const {
     if constexpr (!kGeneral) return !flat_lists_.empty();
-    return flat_lists_.size() <= 1 && quads_.block_count == 0 && triangles_.block_count == 0 &&
-           spheres_.nodes == nullptr;
+    return flat_lists_.size() <= 1 && quads_.block_count == 0 && spheres_.nodes == nullptr &&
+           (triangles_.block_count == 0 || triangles_.nodes != nullptr);
   }
   template <class F>
-  void intersect_in_turns(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;
+  void intersect_triangles(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;
   template <class F>
-  MaskOf<F> occluded_in_turns(const LaneRays<F>& rays, const UintOf<F>& targets,
+  MaskOf<F> triangles_occlude(const LaneRays<F>& rays, const UintOf<F>& targets,
                               const MaskOf<F>& active) const;
 
   std::span<const FlatList> flat_lists_;

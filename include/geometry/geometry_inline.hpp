@@ -3,9 +3,6 @@
 
 #include "geometry/geometry.hpp"
 #include "geometry/surface.hpp"
-#include "geometry/turns.hpp"
-#include "geometry/wide_flat.hpp"
-#include "geometry/wide_sphere.hpp"
 
 namespace mlt {
 
@@ -37,6 +34,11 @@ struct BestHit {
   std::uint32_t tie_below = 0;
 
   MLT_INLINE explicit BestHit(float t_max) : limit(t_max) {}
+  /// The best of what has been visited so far, if anything.
+  MLT_INLINE BestHit(const Hit& so_far, float t_max)
+      : hit(so_far),
+        limit(so_far.found() ? so_far.t : t_max),
+        tie_below(so_far.found() ? so_far.primitive : 0) {}
 
   template <class Block>
   MLT_INLINE void visit(const Block& block, std::uint32_t index, const RayFrame& ray) {
@@ -244,152 +246,6 @@ template <bool kGeneral>
   return quad_point(*quad, (hit.slot & kSecondTriangle) != 0, hit);
 }
 
-/// The closest hits of rays of which each has a way through the hierarchy of triangles, in turns. What else
-/// there is comes first.
-template <class F>
-MLT_NOINLINE void Geometry::intersect_in_turns(const LaneRays<F>& rays, const MaskOf<F>& active,
-                                               HitOf<F>& hits) const {
-  struct Way {
-    int lane;
-    RayFrame frame;
-    BestHit best;
-    ClosestWalk walk{};
-  };
-  take_turns<Way>(
-      lanes_of(active),
-      [&](std::byte* place, int lane) {
-        const Ray& ray = rays[lane];
-        const RayLanes lanes(ray);
-        Way* way = new (place) Way{lane, RayFrame(ray, lanes, extent_), BestHit(ray.t_max)};
-        for (const FlatList& list : flat_lists_) {
-          way->best.visit_flat(list, FlatRay(ray, lanes, extent_), ray, way->frame.shear, way->frame.slabs);
-        }
-        way->best.visit_list(spheres_, way->frame);
-        way->best.visit_list(quads_, way->frame);
-        return way;
-      },
-      [&](Way & way) __attribute__((always_inline)) {
-        if (way.best.template step<Fetch::ahead>(way.walk, triangles_, way.frame)) return true;
-        set_lane_of(hits, way.lane, way.best.hit);
-        return false;
-      });
-}
-
-/// Which rays are blocked, likewise.
-template <class F>
-MLT_NOINLINE MaskOf<F> Geometry::occluded_in_turns(const LaneRays<F>& rays, const UintOf<F>& targets,
-                                                   const MaskOf<F>& active) const {
-  struct Way {
-    int lane;
-    std::uint32_t target;
-    bool blocked;
-    RayFrame frame;
-    LaneFloat limit;
-    AnyWalk walk{};
-  };
-  MaskOf<F> blocked{};
-  take_turns<Way>(
-      lanes_of(active),
-      [&](std::byte* place, int lane) {
-        const Ray& ray = rays[lane];
-        const std::uint32_t target = lane_of(targets, lane);
-        const RayLanes lanes(ray);
-        Way* way = new (place) Way{lane, target, false, RayFrame(ray, lanes, extent_), broadcast(ray.t_max)};
-        for (const FlatList& list : flat_lists_) {
-          way->blocked |= flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_, target);
-        }
-        // A sphere can hide its own far side.
-        way->blocked = way->blocked || list_occluded(quads_, way->frame, way->limit, target) ||
-                       list_occluded(spheres_, way->frame, way->limit, kNoPrimitive);
-        return way;
-      },
-      [&](Way & way) __attribute__((always_inline)) {
-        if (!way.blocked) {
-          const AnyWalk::Step step =
-              step_to_any<Fetch::ahead>(way.walk, triangles_, way.frame, way.limit, way.target);
-          if (step == AnyWalk::Step::goes_on) return true;
-          way.blocked = step == AnyWalk::Step::found;
-        }
-        if (way.blocked) set_lane_of(blocked, way.lane, kLaneTrue<F>);
-        return false;
-      });
-  return blocked;
-}
-
-template <bool kGeneral, class F>
-MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves,
-                                                const MaskOf<F>& active) const {
-  HitOf<F> hits;
-  MaskOf<F> alone = active;
-  if constexpr (VectorType<F>) {
-    if (is_flat<kGeneral>()) {
-      alone = MaskOf<F>{};
-      if (!flat_lists_.empty()) hits = intersect_flat<F>(flat_lists_[0], ray, extent_, leaves, active, alone);
-      if constexpr (kGeneral) intersect_spheres<F>(spheres_.blocks, spheres_.block_count, ray, extent_, hits);
-    }
-  }
-  if (!any(alone)) return hits;
-  const LaneRays<F> rays(ray, alone);
-  if constexpr (kGeneral && VectorType<F>) {
-    if (takes_turns()) {
-      intersect_in_turns<F>(rays, alone, hits);
-      return hits;
-    }
-  }
-  for_lanes(alone, [&](int lane) { set_lane_of(hits, lane, intersect<kGeneral>(rays[lane])); });
-  return hits;
-}
-
-template <bool kGeneral, class F>
-MLT_NOINLINE MaskOf<F> Geometry::occluded_lanes(const RayOf<F>& ray, const SegmentEnds<F>& ends,
-                                                const MaskOf<F>& active) const {
-  MaskOf<F> blocked{};
-  MaskOf<F> alone = active;
-  if constexpr (VectorType<F>) {
-    if (is_flat<kGeneral>()) {
-      alone = MaskOf<F>{};
-      if (!flat_lists_.empty()) blocked = flat_occludes<F>(flat_lists_[0], ray, extent_, ends, active, alone);
-      if constexpr (kGeneral) {
-        blocked |= spheres_occlude<F>(spheres_.blocks, spheres_.block_count, ray, extent_);
-      }
-    }
-  }
-  if (!any(alone)) return blocked;
-  const LaneRays<F> rays(ray, alone);
-  if constexpr (kGeneral && VectorType<F>) {
-    if (takes_turns()) return occluded_in_turns<F>(rays, ends.target, alone);
-  }
-  for_lanes(alone, [&](int lane) {
-    if (occluded<kGeneral>(rays[lane], lane_of(ends.target, lane))) set_lane_of(blocked, lane, kLaneTrue<F>);
-  });
-  return blocked;
-}
-
-template <bool kGeneral, class F>
-MLT_NOINLINE SurfacePointOf<F> Geometry::surface_points(const RayOf<F>& ray, const HitOf<F>& hits,
-                                                        const MaskOf<F>& active) const {
-  SurfacePointOf<F> points;
-  if constexpr (VectorType<F>) {
-    if (is_flat<kGeneral>()) {
-      if (!flat_lists_.empty()) points = flat_points<F>(flat_lists_[0], hits);
-      if constexpr (kGeneral) {
-        const MaskOf<F> on_sphere = active & (hits.primitive >= first_sphere_) & hits.found();
-        if (!any(on_sphere)) return points;
-        const SurfacePointOf<F> round = sphere_points<F>(spheres_.blocks, ray, hits, on_sphere);
-        points.position = select(on_sphere, round.position, points.position);
-        points.normal = select(on_sphere, round.normal, points.normal);
-        points.offset_bound = select(on_sphere, round.offset_bound, points.offset_bound);
-      }
-      return points;
-    }
-  }
-  for_lanes(active, [&](int lane) {
-    const SurfacePoint point = surface_point<kGeneral>(lane_of(ray, lane), lane_of(hits, lane));
-    set_lane_of(points.position, lane, point.position);
-    set_lane_of(points.normal, lane, point.normal);
-    set_lane_of(points.offset_bound, lane, point.offset_bound);
-  });
-  return points;
-}
-
 }  // namespace mlt
+
+#include "geometry/geometry_lanes.hpp"

@@ -88,6 +88,8 @@ MLT_INLINE void intersect_spheres(const SphereBlock* blocks, std::uint32_t count
         hit.t = limit;
         hit.primitive = select(closer, broadcast_bits<UintOf<F>>(block.primitive[lane]), hit.primitive);
         hit.slot = select(closer, broadcast_bits<UintOf<F>>(slot), hit.slot);
+        hit.weights[0] = select(closer, F{}, hit.weights[0]);
+        hit.weights[1] = select(closer, F{}, hit.weights[1]);
       });
 }
 

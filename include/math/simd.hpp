@@ -30,7 +30,12 @@ using LaneUint __attribute__((vector_size(kLanes * sizeof(float)))) = std::uint3
 #define MLT_INLINE [[gnu::always_inline]] inline
 /// For the larger functions over lanes: a call costs little against their work for all lanes, and every
 /// inlined copy costs a user of the compiler much.
+/// g++ would also make clones, which are local, so that the program had one from each source that uses them.
+#if defined(__clang__)
 #define MLT_NOINLINE [[gnu::noinline]]
+#else
+#define MLT_NOINLINE [[gnu::noinline, gnu::noclone]]
+#endif
 
 MLT_INLINE LaneFloat broadcast(float value) {
 #if defined(__AVX2__)

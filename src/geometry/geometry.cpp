@@ -306,7 +306,8 @@ std::span<const FlatList> build_flat_lists(Arena& arena, const FlatSlots& slots,
 }
 
 bool has_many_polygons(const GeometryCounts& counts, const FlatLimits& limits) {
-  return std::uint64_t{counts.quads} + counts.triangles > limits.polygons;
+  return std::uint64_t{counts.quads} + counts.triangles > limits.polygons ||
+         counts.triangles > limits.triangles;
 }
 
 template <class Block>
@@ -339,8 +340,8 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
   GeometrySlots slots;
   const std::uint32_t count = few ? counts.quads + counts.triangles : counts.quads;
   const std::string name = few ? "polygons" : "quads";
-  if (few && counts.spheres <= limits.spheres && counts.quads <= limits.bounded_quads &&
-      counts.triangles <= limits.bounded_triangles) {
+  if (counts.spheres <= limits.spheres && counts.quads <= limits.bounded_quads &&
+      (!few || counts.triangles <= limits.bounded_triangles)) {
     slots.flat = plan_flat(plan, name, count);
   } else {
     slots.quads = plan_kind<QuadBlock>(plan, name, count, limits.polygons);

@@ -268,12 +268,12 @@ void compare_scenes() {
   }
 }
 
-/// `count` small shapes of one kind in a closed box, flat and as a tree.
+/// `count` small shapes of one kind in a closed box, as groups of rays meet them in a list and in a tree.
 void compare_structures(const char* kind, int count, const std::function<void(Shapes&, Rng&)>& add) {
   Rng rng(2, StreamPurpose::kTest, 41);
   Shapes shapes;
   for (int i = 0; i < count; ++i) add(shapes, rng);
-  const BuiltGeometry flat(shapes, kAlwaysFlat), tree(shapes, kAlwaysTree);
+  const BuiltGeometry flat(shapes, kAlwaysBounds), tree(shapes, kAlwaysTree);
   const RaySets rays = make_rays<true>(*flat, 128);
   if (rays.bounce.rays.empty()) return;
   Measurement m[2];
@@ -282,12 +282,13 @@ void compare_structures(const char* kind, int count, const std::function<void(Sh
     measure<true>(*tree, rays, m[1]);
   }
   std::printf("%4d %-9s flat %6.1f %6.1f %6.1f   tree %6.1f %6.1f %6.1f ns (primary, bounce, shadow)\n",
-              count, kind, median(m[0].primary), median(m[0].bounce), median(m[0].shadow),
-              median(m[1].primary), median(m[1].bounce), median(m[1].shadow));
+              count, kind, median(m[0].primary_groups), median(m[0].bounce_groups),
+              median(m[0].shadow_groups), median(m[1].primary_groups), median(m[1].bounce_groups),
+              median(m[1].shadow_groups));
 }
 
 void find_crossovers() {
-  for (const int count : {8, 12, 16, 24, 32, 48, 64, 96, 128}) {
+  for (const int count : {8, 16, 32, 48, 64, 80, 96, 108}) {
     const float size = 1.2f / std::cbrt(static_cast<float>(count));
     compare_structures("quads", count, [size](Shapes& shapes, Rng& rng) {
       const Vec3 a = point_in_cube(rng);

@@ -239,6 +239,8 @@ TEST_CASE("memory of a mesh: at most 80 bytes a triangle, and 32 of scratch") {
   CHECK(Geometry::is_general(GeometryCounts{0, 0, 1}));
   CHECK(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons, 1, 0}));
   CHECK_FALSE(Geometry::is_general(GeometryCounts{FlatLimits{}.polygons - 1, 1, 0}));
+  CHECK(Geometry::is_general(GeometryCounts{0, FlatLimits{}.triangles + 1, 0}));
+  CHECK_FALSE(Geometry::is_general(GeometryCounts{0, FlatLimits{}.triangles, 0}));
   MemoryPlan none;
   static_cast<void>(Geometry::plan(none, GeometryCounts{}));
   CHECK(none.lines().empty());

@@ -10,9 +10,9 @@
 
 namespace mlt::test {
 
-inline constexpr FlatLimits kAlwaysFlat{1U << 30, 1U << 30, 0, 0};
-inline constexpr FlatLimits kAlwaysBounds{1U << 30, 1U << 30, 1U << 30, 1U << 30};
-inline constexpr FlatLimits kAlwaysTree{0, 0};
+inline constexpr FlatLimits kAlwaysFlat{1U << 30, 1U << 30, 1U << 30, 0, 0};
+inline constexpr FlatLimits kAlwaysBounds{1U << 30, 1U << 30, 1U << 30, 1U << 30, 1U << 30};
+inline constexpr FlatLimits kAlwaysTree{0, 0, 0, 0, 0};
 
 struct Shapes {
   std::vector<Quad> quads;
