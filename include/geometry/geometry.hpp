@@ -63,6 +63,9 @@ struct KindSlots {
 struct FlatSlots {
   std::uint32_t count = 0;
   Slot<FlatList> lists;
+  /// Beside a hierarchy also, in the same slots of one list, for rays one by one: what they then meet faster.
+  bool has_boxes = false;
+  Slot<QuadBlock> boxes;
 };
 
 struct GeometrySlots {
@@ -132,8 +135,11 @@ class Geometry {
   template <bool kGeneral>
   bool has_lanes() const {
     if constexpr (!kGeneral) return !flat_lists_.empty();
-    return flat_lists_.size() <= 1 && quads_.block_count == 0 && spheres_.nodes == nullptr &&
-           (triangles_.block_count == 0 || triangles_.nodes != nullptr);
+    return flat_lists_.size() <= 1 && (!flat_lists_.empty() || quads_.block_count == 0) &&
+           spheres_.nodes == nullptr && (triangles_.block_count == 0 || triangles_.nodes != nullptr);
+  }
+  std::span<const FlatList> lists_for_one() const {
+    return quads_.block_count == 0 ? flat_lists_ : std::span<const FlatList>{};
   }
   template <class F>
   void intersect_triangles(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;
@@ -141,6 +147,7 @@ class Geometry {
   MaskOf<F> triangles_occlude(const LaneRays<F>& rays, const UintOf<F>& targets,
                               const MaskOf<F>& active) const;
 
+  // One of the two, or the same polygons in both.
   std::span<const FlatList> flat_lists_;
   PrimitiveList<QuadBlock> quads_;
   PrimitiveList<TriangleBlock> triangles_;

@@ -197,7 +197,7 @@ template <bool kGeneral>
   BestHit best(ray.t_max);
   if constexpr (kGeneral) {
     const RayFrame frame(ray, lanes, extent_);
-    for (const FlatList& list : flat_lists_) {
+    for (const FlatList& list : lists_for_one()) {
       best.visit_flat(list, FlatRay(ray, lanes, extent_), ray, frame.shear, frame.slabs);
     }
     best.visit_list(triangles_, frame);
@@ -217,7 +217,7 @@ template <bool kGeneral>
   const RayLanes lanes(ray);
   const LaneFloat limit = broadcast(ray.t_max);
   if constexpr (kGeneral) {
-    for (const FlatList& list : flat_lists_) {
+    for (const FlatList& list : lists_for_one()) {
       if (flat_occluded(list, FlatRay(ray, lanes, extent_), ray, lanes, extent_, target)) return true;
     }
     const RayFrame frame(ray, lanes, extent_);

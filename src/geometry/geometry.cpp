@@ -1,113 +1,16 @@
 #include "geometry/geometry.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <new>
 #include <string>
 
 #include "base/error.hpp"
 #include "geometry/bvh_workspace.hpp"
+#include "shape_blocks.hpp"
 
 namespace mlt {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-struct Bounds {
-  Vec3 low{0, 0, 0}, high{0, 0, 0};
-};
-
-MLT_INLINE Bounds bounds_of(const Vec3& a, const Vec3& b) {
-  return {Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
-          Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}};
-}
-
-MLT_INLINE Bounds join(const Bounds& p, const Bounds& q) {
-  return {bounds_of(p.low, q.low).low, bounds_of(p.high, q.high).high};
-}
-
-MLT_INLINE Bounds bounds_of(const Triangle& t) {
-  return join(bounds_of(t.a, t.b), bounds_of(t.c, t.c));
-}
-Bounds bounds_of(const Quad& q) {
-  return join(bounds_of(q.a, q.b), bounds_of(q.c, q.d));
-}
-/// With the same roundings as box_entry of sphere.hpp.
-Bounds bounds_of(const Sphere& s) {
-  const Vec3 radius{s.radius, s.radius, s.radius};
-  return {s.center - radius, s.center + radius};
-}
-
-/// In double, where the differences and products of most floats are exact.
-bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return cross(DVec3{b} - DVec3{a}, DVec3{c} - DVec3{a}) != DVec3{0, 0, 0};
-}
-bool has_area(const Triangle& t) {
-  return has_area(t.a, t.b, t.c);
-}
-bool has_area(const Quad& q) {
-  return has_area(q.a, q.b, q.c);
-}
-bool has_area(const Sphere& s) {
-  return s.radius > 0.0f;
-}
-
-void set_corner(LaneFloat* x, LaneFloat* y, LaneFloat* z, int lane, const Vec3& p) {
-  (*x)[lane] = p.x;
-  (*y)[lane] = p.y;
-  (*z)[lane] = p.z;
-}
-
-void set_corner(TriangleBlock& block, int vertex, int lane, const Vec3& p) {
-  set_corner(&block.corners[0][vertex], &block.corners[1][vertex], &block.corners[2][vertex], lane, p);
-}
-
-void set_lane(TriangleBlock& block, int lane, const Triangle& t, std::uint32_t primitive) {
-  set_corner(block, 0, lane, t.a);
-  set_corner(block, 1, lane, t.b);
-  set_corner(block, 2, lane, t.c);
-  block.primitive[lane] = primitive;
-}
-
-void set_box(QuadBlock& block, int lane, const Bounds& b) {
-  set_corner(&block.planes[0][0], &block.planes[1][0], &block.planes[2][0], lane, b.low);
-  set_corner(&block.planes[0][1], &block.planes[1][1], &block.planes[2][1], lane, b.high);
-}
-
-void set_record(QuadRecord& record, const Quad& q, std::uint32_t primitive) {
-  const Vec3 corners[4] = {q.a, q.b, q.c, q.d};
-  const Vec3 normal = unit_normal(q.a, q.b, q.c);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int vertex = 0; vertex < 4; ++vertex) record.corners[axis][vertex] = corners[vertex][axis];
-    record.normal[axis] = normal[axis];
-  }
-  record.primitive = primitive;
-}
-
-void set_lane(QuadBlock& block, int lane, const Quad& q, std::uint32_t primitive) {
-  set_box(block, lane, bounds_of(q));
-  set_record(block.quads[lane], q, primitive);
-}
-
-void set_lane(SphereBlock& block, int lane, const Sphere& s, std::uint32_t primitive) {
-  set_corner(&block.center[0], &block.center[1], &block.center[2], lane, s.center);
-  block.radius[lane] = s.radius;
-  block.primitive[lane] = primitive;
-}
-
-void clear_lane(TriangleBlock& block, int lane) {
-  const Vec3 nowhere{kNaN, kNaN, kNaN};
-  set_lane(block, lane, Triangle{nowhere, nowhere, nowhere}, kNoPrimitive);
-}
-void clear_lane(QuadBlock& block, int lane) {
-  set_box(block, lane, Bounds{Vec3{kNaN, kNaN, kNaN}, Vec3{kNaN, kNaN, kNaN}});
-  block.quads[lane] = QuadRecord{};
-}
-void clear_lane(SphereBlock& block, int lane) {
-  set_lane(block, lane, Sphere{Vec3{kNaN, kNaN, kNaN}, kNaN}, kNoPrimitive);
-}
 
 /// Quads, and triangles as quads after them.
 struct PolygonList {
@@ -261,11 +164,15 @@ PrimitiveList<Block> build_kind(Arena& arena, const KindSlots<Block>& slots, con
   return build_flat(build);
 }
 
-FlatSlots plan_flat(MemoryPlan& plan, const std::string& name, std::uint32_t count) {
+FlatSlots plan_flat(MemoryPlan& plan, const std::string& name, std::uint32_t count, bool beside_tree) {
   FlatSlots slots;
   slots.count = count;
   if (count == 0) return slots;
   slots.lists = plan.add<FlatList>(name + ", flat list", Lifetime::kScene, (count - 1) / kFlatPolygons + 1);
+  slots.has_boxes = beside_tree && count <= kFlatPolygons;
+  // Each axis may leave a block that is not full.
+  if (slots.has_boxes)
+    slots.boxes = plan.add<QuadBlock>(name + ", boxes", Lifetime::kScene, count / kLanes + 3);
   return slots;
 }
 
@@ -305,6 +212,24 @@ std::span<const FlatList> build_flat_lists(Arena& arena, const FlatSlots& slots,
   return lists;
 }
 
+/// The polygons of a list in the same slots.
+PrimitiveList<QuadBlock> build_boxes(Arena& arena, const FlatSlots& slots, const FlatList& list,
+                                     const PolygonList& shapes) {
+  const std::span<QuadBlock> blocks = arena.take(slots.boxes);
+  MLT_CHECK_OP(list.block_count, <=, blocks.size());
+  for (std::uint32_t i = 0; i < list.block_count; ++i) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::uint32_t primitive = list.blocks[i].primitive[lane];
+      if (static_cast<std::uint32_t>(lane) < list.blocks[i].used) {
+        set_lane(blocks[i], lane, shapes[primitive], primitive);
+      } else {
+        clear_lane(blocks[i], lane);
+      }
+    }
+  }
+  return {blocks.data(), list.block_count, nullptr};
+}
+
 bool has_many_polygons(const GeometryCounts& counts, const FlatLimits& limits) {
   return std::uint64_t{counts.quads} + counts.triangles > limits.polygons ||
          counts.triangles > limits.triangles;
@@ -342,7 +267,7 @@ GeometrySlots Geometry::plan(MemoryPlan& plan, const GeometryCounts& counts, con
   const std::string name = few ? "polygons" : "quads";
   if (counts.spheres <= limits.spheres && counts.quads <= limits.bounded_quads &&
       (!few || counts.triangles <= limits.bounded_triangles)) {
-    slots.flat = plan_flat(plan, name, count);
+    slots.flat = plan_flat(plan, name, count, !few);
   } else {
     slots.quads = plan_kind<QuadBlock>(plan, name, count, limits.polygons);
   }
@@ -364,6 +289,9 @@ Geometry Geometry::build(Arena& arena, const GeometrySlots& slots, const Geometr
     geometry.quads_ = build_kind(arena, slots.quads, polygons, 0, extent, runner);
   } else {
     geometry.flat_lists_ = build_flat_lists(arena, slots.flat, polygons, extent);
+    if (slots.flat.has_boxes) {
+      geometry.quads_ = build_boxes(arena, slots.flat, geometry.flat_lists_[0], polygons);
+    }
   }
   geometry.triangles_ = build_kind(arena, slots.triangles, few ? TriangleList{} : input.triangles,
                                    geometry.first_in_triangles_, extent, runner);
