@@ -12,12 +12,11 @@
 
 namespace mlt {
 
-/// Segments that are traced one by one gain nothing from company; four lanes less than it takes to bring them
-/// together.
-template <bool kGeneralGeometry, class F>
-inline constexpr bool kSegmentsWait = !kGeneralGeometry && kLaneCount<F> >= 8;
+/// Four lanes gain no more by company than it takes to bring segments together.
+template <class F>
+inline constexpr bool kSegmentsWait = kLaneCount<F> >= 8;
 
-template <bool kGeneralGeometry, class F, bool kWaits = kSegmentsWait<kGeneralGeometry, F>>
+template <bool kGeneralGeometry, class F, bool kWaits = kSegmentsWait<F>>
 class LightTerms {
   using V = Vec3Of<F>;
   using M = MaskOf<F>;
