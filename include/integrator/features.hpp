@@ -7,11 +7,11 @@
 namespace mlt {
 
 /// bit, what it means in `mlt info` when present, and when absent.
-#define MLT_FEATURES(X)                                                                               \
-  X(general_geometry, "triangles, spheres or a bounding volume hierarchy", "flat list of quads only") \
-  X(general_materials, "materials other than diffuse", "diffuse materials only")                      \
-  X(lobe_choice, "materials with several lobes", "no choice between lobes")                           \
-  X(many_lights, "several emitting primitives", "at most one emitting primitive")                     \
+#define MLT_FEATURES(X)                                                                       \
+  X(general_geometry, "spheres or a bounding volume hierarchy", "flat list of polygons only") \
+  X(general_materials, "materials other than diffuse", "diffuse materials only")              \
+  X(lobe_choice, "materials with several lobes", "no choice between lobes")                   \
+  X(many_lights, "several emitting primitives", "at most one emitting primitive")             \
   X(roulette, "Russian roulette", "no Russian roulette")
 
 enum class FeatureBit : std::uint32_t {

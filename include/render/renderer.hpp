@@ -12,6 +12,7 @@
 #include "base/memory.hpp"
 #include "film/error_estimate.hpp"
 #include "film/image_view.hpp"
+#include "integrator/features.hpp"
 #include "render/job.hpp"
 
 namespace mlt {
@@ -71,6 +72,7 @@ class Renderer {
   const MemoryPlan& memory_plan() const;
   /// Counts, features found, features skipped, dimensions per path.
   std::vector<InfoLine> info() const;
+  FeatureMask features() const;
 
   void prepare();
   /// `stop` is looked at before each chain or pixel block; `progress` may be null.

@@ -169,7 +169,8 @@ void compare(const SceneDescription& scene, const RenderRequest& request, double
     add_round(path, path_round, round);
     add_round(pssmlt, render_round(chain_renderer, chain_settings, path_settings, stop, finding), round);
     if (!path.found_light || !pssmlt.found_light) continue;
-    finding.advantage = pilot_advantage(path, pssmlt);
+    finding.advantage =
+        pilot_advantage(path, pssmlt, has(chain_renderer.features(), FeatureBit::lobe_choice));
     finding.outcome = PilotOutcome::compared;
     if (is_clear(finding.advantage)) break;
   }

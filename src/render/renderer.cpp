@@ -289,6 +289,10 @@ std::vector<InfoLine> Renderer::info() const {
   return lines;
 }
 
+FeatureMask Renderer::features() const {
+  return state_->plan.features;
+}
+
 void Renderer::State::compile() {
   if (host == nullptr) {
     prefault_process(code_of_other_sets(plan.job.instruction_set));

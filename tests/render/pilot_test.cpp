@@ -65,6 +65,9 @@ TEST_CASE("the advantage is the quotient of variance times work") {
   // Four times the error of one.
   CHECK(pilot_advantage(flat(20, 2, 2, 8, 30), chains) == Approx(4 * expected).epsilon(1e-12));
   CHECK(pilot_advantage(path, flat(60, 2, 1, 4, 20)) == Approx(expected / 4).epsilon(1e-12));
+  // With several lobes a primary sample of PSSMLT takes 1.5 times as long, and its error is 1.6 times what
+  // pilots see.
+  CHECK(pilot_advantage(path, chains, true) == Approx(expected * 1.2 / (1.5 * 1.6)).epsilon(1e-12));
   // No noise to get rid of.
   CHECK(pilot_advantage(flat(20, 2, 0, 8, 30), chains) == 0.0);
 }
