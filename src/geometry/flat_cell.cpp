@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "geometry/flat_list.hpp"
 
@@ -53,7 +52,7 @@ bool are_same(const Face& p, const Face& q, double same) {
 
 /// A corner and the edges from there.
 struct Parallelepiped {
-  DVec3 corner, edges[3];
+  DVec3 corner{0, 0, 0}, edges[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 
   /// Face 2s + 1 is that of edge s, face 2s the one opposite to it.
   Face face(std::uint32_t index) const {
@@ -62,13 +61,13 @@ struct Parallelepiped {
     const DVec3 &u = edges[(s + 1) % 3], &v = edges[(s + 2) % 3];
     return {{from, from + u, from + u + v, from + v}};
   }
-  /// Least distance of opposite faces.
-  double thickness() const {
+  /// Whether all opposite faces are farther apart than this.
+  bool is_thicker_than(double distance) const {
     const double volume = std::fabs(dot(cross(edges[0], edges[1]), edges[2]));
-    double least = std::numeric_limits<double>::infinity();
+    bool thicker = true;
     for (std::uint32_t s = 0; s < 3; ++s)
-      least = std::min(least, volume / length(cross(edges[(s + 1) % 3], edges[(s + 2) % 3])));
-    return least;
+      thicker = thicker && volume > distance * length(cross(edges[(s + 1) % 3], edges[(s + 2) % 3]));
+    return thicker;
   }
 };
 
@@ -90,7 +89,7 @@ bool span(const Face& base, const Face& side, double same, Parallelepiped& resul
     result = {base.corners[0],
               {base.corners[1] - base.corners[0], base.corners[3] - base.corners[0],
                shared[i] ? along : DVec3{0, 0, 0} - along}};
-    return result.thickness() > kLeastThickness * same;
+    return result.is_thicker_than(kLeastThickness * same);
   }
   return false;
 }
@@ -115,7 +114,7 @@ class CellFinder {
     for (const std::uint32_t other : slots_) {
       Parallelepiped candidate;
       if (other == slot || !is_free(other) || !span(faces_[slot], faces_[other], same_, candidate)) continue;
-      std::uint32_t found[6];
+      std::uint32_t found[6] = {};
       const std::uint32_t count = match(candidate, found);
       if (count <= most) continue;
       most = count;
@@ -216,7 +215,7 @@ std::uint32_t find_cells(std::span<const FlatPolygon> polygons, std::span<const 
   std::uint32_t count = 0;
   for (const std::uint32_t slot : slots) {
     Parallelepiped shape;
-    std::uint32_t faces[6];
+    std::uint32_t faces[6] = {};
     if (count == cells.size() || finder.best_at(slot, shape, faces) < kLeastFacesOfCell) continue;
     cells[count++] = finder.make(shape, faces);
     for (const std::uint32_t face : faces) {
