@@ -53,14 +53,6 @@ EXR      ?=
 IMAGE_LIBS := -lpng $(if $(EXR),-lOpenEXR -lIex)
 LIBS     ?= -lfmt $(IMAGE_LIBS)
 
-# A variant whose flags have changed is built anew: every object depends on this file.
-FLAGS_FILE := $(OUT)/flags
-FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(LDFLAGS) $(LIBS)
-ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
-$(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
-  printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
-endif
-
 sources   = $(wildcard src/$(1)/*.cpp)
 objects   = $(patsubst %.cpp,$(OUT)/%.o,$(1))
 # Stage $(1) and all before it that it may need: renders need nothing of images, nor their libraries.
@@ -80,11 +72,21 @@ SET_SOURCES := $(wildcard src/render/kernel*.cpp src/geometry/*.cpp src/world/*.
 # 256, clang splits the kernels' explicit vectors of 16 lanes, and g++ only copies memory in smaller pieces.
 SET_FLAGS_avx2 := -mavx2 -mfma
 SET_FLAGS_avx512 := -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mbmi -mbmi2
-# Symbols of binding "unique", an extension of g++, would stay global. The values that its AVX-512 header leaves to
-# chance on purpose are reported as mistakes of ours.
-SET_FLAGS := $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
+# Lines of films are asked for to be written: one that another processor has written lately would have to be asked for
+# again. Processors of x86-64 that do not know the instruction take it for none. Symbols of binding "unique", an
+# extension of g++, would stay global. The values that its AVX-512 header leaves to chance on purpose are reported as
+# mistakes of ours.
+SET_FLAGS := -mprfchw $(if $(findstring clang,$(CXX)),,-fno-gnu-unique)
 AVX512_QUIET := $(if $(findstring clang,$(CXX)),,-Wno-uninitialized -Wno-maybe-uninitialized)
 $(OUT)/avx512/%.o: private WARNINGS += $(AVX512_QUIET)
+
+# A variant whose flags have changed is built anew: every object depends on this file.
+FLAGS_FILE := $(OUT)/flags
+FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(SET_FLAGS_avx2) $(SET_FLAGS_avx512) $(SET_FLAGS) $(LDFLAGS) $(LIBS)
+ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
+$(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
+  printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
+endif
 
 .PHONY: all deps deps-test deps-extra unit tests test slow stress demo scenes refs refs256 bench benches bench-guard feature-cost calibration fuzz fuzzers golden \
         planted-weight repro proof memcheck asan tsan tidy format-check clean
@@ -209,13 +211,13 @@ unit: $(OUT)/test_$(T)
 # Builds without running.
 tests: $(TEST_BINARIES) $(OUT)/test_stress $(OUT)/film_hash
 
-# TESTS narrows the stages: make VARIANT=tsan test TESTS="markov film render"
+# TESTS narrows the stages, ONLY the cases to a tag: make VARIANT=tsan test TESTS=render ONLY=[threads]
 TESTS ?= $(TESTED_STAGES) stress
 test: $(foreach s,$(TESTS),$(OUT)/test_$(s)) $(if $(filter release,$(VARIANT)),$(PROVED))
-	tools/run_tests.sh $(OUT) $(TESTS)
+	tools/run_tests.sh $(OUT) $(if $(ONLY),--only '$(ONLY)') $(TESTS)
 
 slow: $(TEST_BINARIES)
-	tools/run_tests.sh $(OUT) --slow $(TESTED_STAGES)
+	tools/run_tests.sh $(OUT) --only '[.slow]' $(TESTED_STAGES)
 
 asan tsan:
 	$(MAKE) VARIANT=$@ test

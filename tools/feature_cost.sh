@@ -132,7 +132,7 @@ wait
 
 # ---- results ----
 
-kernels() { nm -C "$1" | grep -c 'mlt::run_chain_group<'; }
+kernels() { nm -C "$1" | grep -c 'mlt::run_chain_turn<'; }
 for feature in "$@"; do
   [ -n "$(lacking "$feature")" ] || fail "without $feature: no job in tools/feature_cost.sh lacks it"
   all=$(kernels "$out/always_$feature/film_hash")

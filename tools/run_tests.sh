@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the stage tests, the lint and the quick proofs of one variant side by side:
-#   run_tests.sh build/<variant> [--slow] STAGE...
+#   run_tests.sh build/<variant> [--only TAG] STAGE...
 # Output goes to build/<variant>/log; failing programs are shown in full. Ends with 'N passed, N failed',
 # the sum of test cases (Catch) and checks (scripts).
 set -u
@@ -10,9 +10,9 @@ out=${1:?folder of the variant}
 shift
 filter=()
 scripts=(tests/lint/lint.sh tests/lint/planted.sh tools/proof.sh)
-if [ "${1:-}" = --slow ]; then
-  shift
-  filter=('[.slow]')
+if [ "${1:-}" = --only ]; then
+  filter=("$2")
+  shift 2
   scripts=()
 fi
 # Lint and proofs read sources and the release objects; once, beside all stages, is enough.

@@ -16,9 +16,9 @@ namespace mlt {
 
 struct FilmPixel {
   std::int64_t metropolis[3] = {0, 0, 0};  ///< developed with the final b
-  std::int64_t uniform[3] = {0, 0, 0};     ///< large steps; developed with the frozen b of the weights
   /// Both sums of the chains of one half less those of the other half (error_estimate.hpp).
   std::int64_t difference[3] = {0, 0, 0};
+  std::int64_t uniform[3] = {0, 0, 0};  ///< large steps; developed with the frozen b of the weights
 };
 
 inline constexpr std::uint32_t kMinFractionBits = 28;
@@ -66,7 +66,8 @@ class FixedFilm {
     if (uniform_weight != 0.0) add(target.uniform, target.difference, value, uniform_weight);
   }
 
-  /// Asks for the memory of a pixel that is about to be splatted; it lies in one or two cache lines.
+  /// Asks for the memory of a pixel that is about to be splatted, for writing: what nearly all splats add to
+  /// lies in one or two cache lines.
   [[gnu::always_inline]] inline void prefetch(std::uint32_t pixel) const {
     MLT_CHECK_OP(pixel, <, pixels_.size());
     const FilmPixel& target = pixels_[pixel];

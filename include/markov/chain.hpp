@@ -9,7 +9,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -30,8 +29,6 @@ struct ChainSettings {
   MutationKind mutation = MutationKind::kelemen;
   float step_size = 1;  ///< from kMinStepSize to kMaxStepSize
   std::uint32_t first_time = 1;
-  /// Ends chains early, at the mutation that they have come to; nothing asks for it where it is null.
-  const std::atomic<bool>* stop = nullptr;
 };
 
 /// What one chain of a group has to do.
@@ -65,7 +62,8 @@ struct ChainStatistics {
 };
 
 /// As many chains as the integrator has lanes, mutation by mutation; each is the chain that it would be
-/// alone. Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I +
+/// alone. Between begin() and end(), advance() may be called any number of times, by one thread after the
+/// other. Film is anything with splat(pixel, value, metropolis_weight, uniform_weight), value being F / (I +
 /// p w), and prefetch(pixel), which is called early for each proposal.
 template <class Integrator, class Film>
 class ChainGroup {
@@ -74,9 +72,10 @@ class ChainGroup {
   static constexpr int kCount = kLaneCount<F>;
 
  public:
-  /// `films` has one for each task.
+  /// `films` and `statistics` have one for each task.
   ChainGroup(const Integrator& integrator, const ChainSettings& settings,
-             const ChainWorkspaceOf<F>& workspace, std::span<const ChainTask> tasks, std::span<Film> films)
+             const ChainWorkspaceOf<F>& workspace, std::span<const ChainTask> tasks, std::span<Film> films,
+             std::span<ChainStatistics> statistics)
       : integrator_(integrator),
         settings_(settings),
         tasks_(tasks),
@@ -84,45 +83,61 @@ class ChainGroup {
         samples_(workspace.samples, workspace.saved, make_steps_of<F>(settings.mutation), settings.step_size,
                  settings.first_time),
         current_(workspace.current),
-        proposed_(workspace.proposed) {
+        proposed_(workspace.proposed),
+        statistics_(statistics) {
     MLT_CHECK_OP(tasks.size(), <=, std::size_t{kCount});
     MLT_CHECK_OP(films.size(), ==, tasks.size());
+    MLT_CHECK_OP(statistics.size(), ==, tasks.size());
+    for (const ChainTask& task : tasks_) longest_ = task.mutations > longest_ ? task.mutations : longest_;
+    MLT_CHECK_OP(longest_, <, std::uint64_t{~std::uint32_t{0}} - settings_.first_time);
   }
 
-  /// Replays the starts, makes all mutations and adds what was counted to `statistics`, one for each task.
-  /// Returns false if it was stopped before.
-  bool run(std::span<ChainStatistics> statistics) {
-    statistics_ = statistics;
-    begin();
-    std::uint64_t longest = 0;
-    for (const ChainTask& task : tasks_) longest = task.mutations > longest ? task.mutations : longest;
-    MLT_CHECK_OP(longest, <, std::uint64_t{~std::uint32_t{0}} - settings_.first_time);
-    ReplayContext& context = replay_context();
-    std::uint64_t unchanged_until = 0;
-    M active{};
-    std::uint64_t made = 0;
-    for (; made < longest && !is_stopped_after(made); ++made) {
-      const std::uint64_t step = made + 1;
-      context.step = step;
-      if (step > unchanged_until) active = chains_at(step, unchanged_until);
-      mutate(active);
+  /// Replays the paths that the chains start from.
+  void begin() {
+    replay_context().step = 0;
+    name_in_reports();
+    BootstrapSamplerOf<F> starts;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const int lane = static_cast<int>(i);
+      const std::uint64_t index = tasks_[i].chain_index;
+      samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index));
+      starts.set_lane(lane, settings_.seed, tasks_[i].start.index, settings_.bootstrap);
     }
+    samples_.begin_initial(starts);
+    DefectCounts counted_by_the_bootstrap;
+    evaluate_into(integrator_, samples_, first_lanes<F>(tasks_.size()), current_,
+                  [&](int) -> DefectCounts& { return counted_by_the_bootstrap; });
+    samples_.end_initial();
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      MLT_CHECK_OP(lane_of(current_.target(), static_cast<int>(i)), ==, tasks_[i].start.target);
+    }
+  }
+
+  /// Makes `mutations` more of each chain, or those that are left, and counts them.
+  void advance(std::uint64_t mutations) {
+    name_in_reports();
+    const std::uint64_t end = mutations < longest_ - made_ ? made_ + mutations : longest_;
+    for (; made_ < end; ++made_) {
+      const std::uint64_t step = made_ + 1;
+      replay_context().step = step;
+      if (step > unchanged_until_) active_ = chains_at(step, unchanged_until_);
+      mutate(active_);
+    }
+  }
+
+  /// Mutations of one of the longest chains.
+  std::uint64_t made() const { return made_; }
+
+  /// The chains end where they are.
+  void end() {
     splat(first_lanes<F>(tasks_.size()), current_, weights_);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      statistics_[i].mutations += std::min(made, tasks_[i].mutations);
+      statistics_[i].mutations = std::min(made_, tasks_[i].mutations);
       statistics_[i].longest_rejection_run = lane_of(longest_rejection_run_, static_cast<int>(i));
     }
-    return made == longest;
   }
 
  private:
-  /// The flag is looked at every few milliseconds.
-  static constexpr std::uint64_t kStepsBetweenLooks = 1024;
-  bool is_stopped_after(std::uint64_t steps) const {
-    return steps % kStepsBetweenLooks == 0 && settings_.stop != nullptr &&
-           settings_.stop->load(std::memory_order_relaxed);
-  }
-
   /// What states have gathered while they were current; they are splatted once, when they are left.
   struct Weights {
     double metropolis[kCount] = {};  ///< expected-value weights
@@ -144,27 +159,9 @@ class ChainGroup {
 
   ChainStatistics& statistics_of(int lane) { return statistics_[static_cast<std::size_t>(lane)]; }
 
-  /// Replays the paths that the chains start from.
-  void begin() {
-    ReplayContext& context = replay_context();
-    context.seed = settings_.seed;
-    context.unit = tasks_.empty() ? 0 : tasks_[0].chain_index;
-    context.step = 0;
-    BootstrapSamplerOf<F> starts;
-    for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      const int lane = static_cast<int>(i);
-      const std::uint64_t index = tasks_[i].chain_index;
-      samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index));
-      starts.set_lane(lane, settings_.seed, tasks_[i].start.index, settings_.bootstrap);
-    }
-    samples_.begin_initial(starts);
-    DefectCounts counted_by_the_bootstrap;
-    evaluate_into(integrator_, samples_, first_lanes<F>(tasks_.size()), current_,
-                  [&](int) -> DefectCounts& { return counted_by_the_bootstrap; });
-    samples_.end_initial();
-    for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      MLT_CHECK_OP(lane_of(current_.target(), static_cast<int>(i)), ==, tasks_[i].start.target);
-    }
+  void name_in_reports() const {
+    replay_context().seed = settings_.seed;
+    replay_context().unit = tasks_.empty() ? 0 : tasks_[0].chain_index;
   }
 
   void mutate(M active) {
@@ -246,6 +243,10 @@ class ChainGroup {
   Weights weights_;  ///< of the current states
   UintOf<F> rejection_run_{}, longest_rejection_run_{};
   std::span<ChainStatistics> statistics_;
+  std::uint64_t longest_ = 0;  ///< mutations of a chain
+  std::uint64_t made_ = 0;
+  std::uint64_t unchanged_until_ = 0;  ///< the last mutation that the lanes of active_ make
+  M active_{};
 };
 
 }  // namespace mlt

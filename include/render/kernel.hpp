@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/event.hpp"
 #include "film/error_estimate.hpp"
 #include "film/fixed_film.hpp"
 #include "film/pixel_film.hpp"
@@ -39,11 +40,23 @@ struct TileStatistics {
 
 /// Storage of one worker, its own but for the film.
 struct WorkerStorage {
-  std::span<std::byte> samples, saved;  ///< of a group of chains; Kernel tells their sizes
-  std::span<Splat> current, proposed;   ///< of a group's chains
-  std::span<FilmPixel> film;            ///< one of RenderStorage::films
+  std::span<FilmPixel> film;  ///< one of RenderStorage::films
   FilmWriters film_writers = FilmWriters::one;
   DefectCounts bootstrap_defects;
+};
+
+/// Mutations of each chain of a group until a worker may pass to another group: milliseconds, so that all
+/// workers end together however fast each is, and a stopped render ends soon.
+inline constexpr std::uint32_t kTurnMutations = 512;
+
+/// Where groups of chains run, one after the other, by whichever worker takes the next turn.
+struct ChainBench {
+  std::span<std::byte> samples, saved;  ///< of a group of chains; Kernel tells their sizes
+  std::span<Splat> current, proposed;   ///< of a group's chains
+  std::span<std::byte> group;           ///< the group's other state
+  bool is_running = false;              ///< a group that was begun and has not ended
+  Event turns;                          ///< raised at the end of each
+  std::uint32_t first_turn = 0;         ///< value of `turns` when the round began
 };
 
 /// All that kernels work on, in the arena.
@@ -57,9 +70,10 @@ struct RenderStorage {
   std::span<FilmPixel> films;  ///< one after the other, each of image.size() pixels
   std::span<BootstrapChunk> bootstrap;
   std::span<ChainStatistics> chains;  ///< of one round
+  std::span<ChainBench> benches;      ///< at least as many as workers
   LuminanceSum bootstrap_luminance;
   std::uint64_t mutations = 0;         ///< of all chains
-  std::uint64_t chain_group_size = 1;  ///< chains that one call runs together, at most the kernel's lanes
+  std::uint64_t chain_group_size = 1;  ///< chains that are run together, at most the kernel's lanes
   std::uint32_t fraction_bits = 0;
 
   // Path tracer
@@ -85,6 +99,29 @@ constexpr std::uint64_t chain_length(std::uint64_t mutations, std::uint64_t chai
   return mutations / chains + (index < mutations % chains ? 1 : 0);
 }
 
+/// The turns of a round of chains: turn t is taken at bench t % benches, and ends after the bench's turn
+/// before. Each bench has the groups of its own number and of every `benches`-th from there.
+struct ChainTurns {
+  std::uint64_t groups = 0;
+  std::uint64_t benches = 1;
+  std::uint64_t turns_of_group = 1;
+
+  ChainTurns(std::uint64_t mutations, std::uint64_t chains, std::uint64_t group_size,
+             std::uint64_t bench_count)
+      : groups((chains + group_size - 1) / group_size),
+        benches(bench_count),
+        turns_of_group((chain_length(mutations, chains, 0) + kTurnMutations - 1) / kTurnMutations) {}
+
+  /// Some of the last do nothing, where not all benches have equally many groups.
+  std::uint64_t count() const { return (groups + benches - 1) / benches * turns_of_group * benches; }
+  std::uint64_t bench(std::uint64_t turn) const { return turn % benches; }
+  std::uint64_t at_bench(std::uint64_t turn) const { return turn / benches; }
+  std::uint64_t group(std::uint64_t turn) const {
+    return bench(turn) + at_bench(turn) / turns_of_group * benches;
+  }
+  std::uint64_t of_group(std::uint64_t turn) const { return at_bench(turn) % turns_of_group; }
+};
+
 constexpr std::uint32_t tile_count(std::uint32_t side) {
   return (side + kTileSide - 1) / kTileSide;
 }
@@ -96,8 +133,9 @@ struct Kernel {
   std::uint32_t lanes = 0;       ///< chains, or samples, that are advanced together
   std::size_t sample_bytes = 0;  ///< of one dimension in all lanes
   std::size_t saved_bytes = 0;   ///< of what a proposal overwrote of it
+  std::size_t group_bytes = 0;   ///< of ChainBench::group
   void (*bootstrap_chunk)(void* storage, std::uint32_t worker, std::uint64_t chunk) = nullptr;
-  void (*chain_group)(void* storage, std::uint32_t worker, std::uint64_t group) = nullptr;
+  void (*chain_turn)(void* storage, std::uint32_t worker, std::uint64_t turn) = nullptr;
   void (*tile)(void* storage, std::uint32_t worker, std::uint64_t tile) = nullptr;
 };
 

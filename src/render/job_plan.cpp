@@ -68,16 +68,30 @@ JobPlan::JobPlan(const WorldCounts& counts, const RenderJob& render_job, const J
   }
 }
 
+/// As many as workers, who have one each in the bootstrap. More workers than one find work on up to twice as
+/// many when they come to a bench whose turn has not ended; all benches have equally many groups, or one
+/// less.
+std::uint32_t JobPlan::count_benches() const {
+  const std::uint64_t groups = chain_groups();
+  const std::uint64_t most = workers == 1 ? 1 : 2 * workers;
+  const std::uint64_t groups_each = (groups + most - 1) / most;
+  return std::max(workers, static_cast<std::uint32_t>((groups + groups_each - 1) / groups_each));
+}
+
 void JobPlan::plan_metropolis() {
+  benches = count_benches();
   slots.bootstrap =
       memory.add<BootstrapChunk>("bootstrap sums", Lifetime::kRender, bootstrap_chunk_count(job.bootstrap));
   slots.chains = memory.add<ChainStatistics>("chain statistics", Lifetime::kRender, job.chains);
+  slots.benches = memory.add<ChainBench>("benches", Lifetime::kRender, benches);
   slots.samples = memory.add<std::byte>("primary samples", Lifetime::kRender,
-                                        workers * own_stride<std::byte>(sample_bytes()));
+                                        benches * own_stride<std::byte>(sample_bytes()));
   slots.saved = memory.add<std::byte>("saved primary samples", Lifetime::kRender,
-                                      workers * own_stride<std::byte>(saved_bytes()));
+                                      benches * own_stride<std::byte>(saved_bytes()));
   slots.splats = memory.add<Splat>("splats, two states", Lifetime::kRender,
-                                   workers * own_stride<Splat>(2 * group_splats()));
+                                   benches * own_stride<Splat>(2 * group_splats()));
+  slots.groups = memory.add<std::byte>("groups of chains", Lifetime::kRender,
+                                       benches * own_stride<std::byte>(kernel.group_bytes));
   const std::uint32_t wanted = films_for_all() <= job.film_memory ? workers : 1;
   films = static_cast<std::uint32_t>(std::clamp<std::size_t>(room_for_films() / film_bytes(), 1, wanted));
   slots.films = memory.add<FilmPixel>("films", Lifetime::kRender, films * pixel_count());
@@ -133,14 +147,20 @@ void JobPlan::take_metropolis_storage(Arena& arena, RenderStorage& storage) cons
   const std::span<std::byte> samples = arena.take(slots.samples);
   const std::span<std::byte> saved = arena.take(slots.saved);
   const std::span<Splat> splats = arena.take(slots.splats);
+  const std::span<std::byte> groups = arena.take(slots.groups);
+  storage.benches = arena.take(slots.benches);
+  for (std::size_t i = 0; i < benches; ++i) {
+    ChainBench& bench = storage.benches[i];
+    bench.samples = samples.subspan(i * own_stride<std::byte>(sample_bytes()), sample_bytes());
+    bench.saved = saved.subspan(i * own_stride<std::byte>(saved_bytes()), saved_bytes());
+    const std::size_t first_splat = i * own_stride<Splat>(2 * group_splats());
+    bench.current = splats.subspan(first_splat, group_splats());
+    bench.proposed = splats.subspan(first_splat + group_splats(), group_splats());
+    bench.group = groups.subspan(i * own_stride<std::byte>(kernel.group_bytes), kernel.group_bytes);
+  }
   storage.films = arena.take(slots.films);
   for (std::size_t i = 0; i < workers; ++i) {
     WorkerStorage& own = storage.workers[i];
-    own.samples = samples.subspan(i * own_stride<std::byte>(sample_bytes()), sample_bytes());
-    own.saved = saved.subspan(i * own_stride<std::byte>(saved_bytes()), saved_bytes());
-    const std::size_t first_splat = i * own_stride<Splat>(2 * group_splats());
-    own.current = splats.subspan(first_splat, group_splats());
-    own.proposed = splats.subspan(first_splat + group_splats(), group_splats());
     const std::size_t film = i % films;
     own.film = storage.film(film);
     own.film_writers = film + films < workers ? FilmWriters::several : FilmWriters::one;

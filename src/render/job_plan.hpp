@@ -22,6 +22,8 @@ struct RenderSlots {
   Slot<WorkerStorage> workers;
   Slot<std::byte> samples;
   Slot<std::byte> saved;
+  Slot<std::byte> groups;
+  Slot<ChainBench> benches;
   Slot<Splat> splats;
   Slot<FilmPixel> films;
   Slot<BootstrapChunk> bootstrap;
@@ -59,14 +61,16 @@ struct JobPlan {
   /// pssmlt: chains that one worker runs together, as many as the kernel has lanes, or fewer where there
   /// would be too few groups for the threads. The film does not depend on it.
   std::uint32_t group_size = 1;
-  std::uint32_t workers;    ///< threads that can have work at all
-  std::uint32_t films = 1;  ///< pssmlt: 1 to workers; worker i splats to film i % films
+  std::uint32_t workers;      ///< threads that can have work at all
+  std::uint32_t benches = 0;  ///< pssmlt: places for groups of chains in progress
+  std::uint32_t films = 1;    ///< pssmlt: 1 to workers; worker i splats to film i % films
   MemoryPlan memory;
   RenderSlots slots;
 
  private:
   void plan_metropolis();
-  // Of one worker's group of chains.
+  std::uint32_t count_benches() const;
+  // Of one group of chains.
   std::size_t sample_bytes() const { return sample_capacity * kernel.sample_bytes; }
   std::size_t saved_bytes() const { return sample_capacity * kernel.saved_bytes; }
   std::size_t group_splats() const { return std::size_t{kernel.lanes} * kernel.max_splats; }

@@ -1,90 +1,12 @@
 // The kernels' bodies, instantiated by kernel_*.cpp; each of these compiles a share of the feature masks.
 #pragma once
 
+#include "chain_kernel.hpp"
 #include "integrator/path_batch.hpp"
 #include "integrator/pixel_sampler.hpp"
 #include "render/kernel.hpp"
 
 namespace mlt {
-
-template <FeatureMask kFeatures>
-using WideIntegrator = PathIntegrator<kFeatures, WideFloat>;
-
-/// The items of `Item` that fill `bytes`, which the arena laid out for them.
-template <class Item>
-std::span<Item> items_of(std::span<std::byte> bytes) {
-  return {reinterpret_cast<Item*>(bytes.data()), bytes.size() / sizeof(Item)};
-}
-
-inline std::span<SplatOf<WideFloat>> splats_of(std::span<Splat> lanes) {
-  return items_of<SplatOf<WideFloat>>(std::as_writable_bytes(lanes));
-}
-
-template <FeatureMask kFeatures>
-void run_bootstrap_chunk(void* context, std::uint32_t worker, std::uint64_t chunk) {
-  auto& storage = *static_cast<RenderStorage*>(context);
-  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  WorkerStorage& own = storage.workers[worker];
-  storage.bootstrap[chunk] =
-      evaluate_bootstrap_chunk(integrator, storage.job.seed, chunk, storage.job.bootstrap,
-                               splats_of(own.proposed), own.bootstrap_defects);
-  storage.done.fetch_add(bootstrap_chunk_size(storage.job.bootstrap, chunk), std::memory_order_relaxed);
-}
-
-template <FeatureMask kFeatures>
-SeedPath find_start(const WideIntegrator<kFeatures>& integrator, const RenderStorage& storage,
-                    const WorkerStorage& own, std::uint64_t chain) {
-  // The first path that carries light lies where the cumulative luminance is still 0.
-  const double position = storage.job.start == StartKind::first_hit
-                              ? 0.0
-                              : seed_position(storage.job.seed, storage.round, chain, storage.job.chains,
-                                              storage.bootstrap_luminance.sum);
-  return find_seed_path(integrator, storage.job.seed, storage.job.bootstrap, storage.bootstrap, position,
-                        splats_of(own.proposed));
-}
-
-inline ChainWorkspaceOf<WideFloat> workspace_of(const WorkerStorage& own) {
-  return {items_of<PrimarySampleOf<WideFloat>>(own.samples), items_of<SavedSampleOf<WideFloat>>(own.saved),
-          splats_of(own.current), splats_of(own.proposed)};
-}
-
-template <FeatureMask kFeatures>
-void run_chain_group(void* context, std::uint32_t worker, std::uint64_t group) {
-  auto& storage = *static_cast<RenderStorage*>(context);
-  const RenderJob& job = storage.job;
-  const WorkerStorage& own = storage.workers[worker];
-  const WideIntegrator<kFeatures> integrator(*storage.world, storage.path);
-  const std::uint64_t first = group * storage.chain_group_size;
-  const std::uint64_t left = job.chains - first;
-  const std::uint64_t count = left < storage.chain_group_size ? left : storage.chain_group_size;
-  ChainTask tasks[kWideLanes];
-  ChainStatistics statistics[kWideLanes];
-  FixedFilm films[kWideLanes];
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const std::uint64_t index = first + i;
-    tasks[i] = {storage.round * job.chains + index, chain_length(storage.mutations, job.chains, index),
-                find_start(integrator, storage, own, index)};
-    films[i] = FixedFilm(own.film, storage.fraction_bits, half_of(index, job.chains), own.film_writers);
-  }
-  ChainSettings settings;
-  settings.seed = job.seed;
-  settings.bootstrap = job.bootstrap;
-  settings.large_step = job.large_step;
-  settings.weight_b = static_cast<float>(storage.bootstrap_luminance.mean());
-  settings.mutation = job.mutation;
-  settings.step_size = job.step_size;
-  settings.stop = storage.stop;
-  ChainGroup<WideIntegrator<kFeatures>, FixedFilm> chains(
-      integrator, settings, workspace_of(own), std::span(tasks).first(count), std::span(films).first(count));
-  if (!chains.run(std::span(statistics).first(count)))
-    storage.left_early.store(true, std::memory_order_relaxed);
-  std::uint64_t mutations = 0;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    storage.chains[first + i] = statistics[i];
-    mutations += statistics[i].mutations;
-  }
-  storage.done.fetch_add(mutations, std::memory_order_relaxed);
-}
 
 /// One sample's path, which used so many primary samples.
 inline void add_sample(const RenderStorage& storage, const PixelSample& sample, const Splat& splat,
@@ -183,10 +105,11 @@ Kernel make_kernel() {
   kernel.max_splats = Integrator::kMaxSplats;
   kernel.bootstrap_chunk = &run_bootstrap_chunk<kFeatures>;
   kernel.tile = &run_tile<kFeatures>;
-  kernel.chain_group = &run_chain_group<kFeatures>;
+  kernel.chain_turn = &run_chain_turn<kFeatures>;
   kernel.lanes = kWideLanes;
   kernel.sample_bytes = sizeof(PrimarySampleOf<WideFloat>);
   kernel.saved_bytes = sizeof(SavedSampleOf<WideFloat>);
+  kernel.group_bytes = sizeof(RunningGroup<kFeatures>);
   return kernel;
 }
 

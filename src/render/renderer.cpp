@@ -121,10 +121,13 @@ void Renderer::State::render_metropolis() {
 
 /// One round of all chains; false when it was stopped before its end.
 bool Renderer::State::run_chains(ChainStatistics& total) {
-  const std::uint64_t groups = run_phase("chain", plan.kernel.chain_group, plan.chain_groups(), true);
-  const std::uint64_t finished = std::min<std::uint64_t>(groups * plan.group_size, plan.job.chains);
-  for (std::uint64_t i = 0; i < finished; ++i) total.add(storage.chains[i]);
-  return finished == plan.job.chains && !storage.left_early;
+  // Of groups that a stopped round does not come to, nothing counts.
+  for (ChainStatistics& chain : storage.chains) chain = {};
+  for (ChainBench& bench : storage.benches) bench.first_turn = bench.turns.value();
+  const ChainTurns turns(storage.mutations, plan.job.chains, plan.group_size, plan.benches);
+  run_phase("chain", plan.kernel.chain_turn, turns.count(), false);
+  for (const ChainStatistics& chain : storage.chains) total.add(chain);
+  return !storage.left_early;
 }
 
 /// Called at the end of a round, with the image developed.

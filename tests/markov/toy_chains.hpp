@@ -73,8 +73,10 @@ ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float
   const ChainTask task{chain_index, job.mutations, start};
   ChainStatistics statistics;
   ChainGroup<Integrator, Film> chain(integrator, settings, {samples, saved, current, proposed}, {&task, 1},
-                                     {&film, 1});
-  chain.run({&statistics, 1});
+                                     {&film, 1}, {&statistics, 1});
+  chain.begin();
+  chain.advance(job.mutations);
+  chain.end();
   return statistics;
 }
 

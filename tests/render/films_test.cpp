@@ -35,7 +35,7 @@ std::string films_of(const SceneDescription& scene, const RenderRequest& request
 
 }  // namespace
 
-TEST_CASE("pitfall 9: the film's hash is the same from any number of films") {
+TEST_CASE("pitfall 9: the film's hash is the same from any number of films", "[threads]") {
   for (const char* file : {"scenes/CornellBox.txt", "scenes/spheres.txt"}) {
     const SceneDescription scene = parse_scene_file(file);
     RenderRequest request = job_of(kWorkers);

@@ -37,20 +37,9 @@ struct StopAfter {
   }
 };
 
-/// Sets the flag at the second report after the bootstrap: the first may come at its end.
-struct StopInChains {
-  std::uint64_t bootstrap;
-  int reports = 0;
-  std::atomic<bool> stop{false};
-  static void progress(const RenderProgress& progress, void* context) {
-    auto& own = *static_cast<StopInChains*>(context);
-    if (progress.done >= own.bootstrap && ++own.reports == 2) own.stop.store(true);
-  }
-};
-
 }  // namespace
 
-TEST_CASE("pitfall 9: the film's hash is the same from 1, 2, 3, 7, 16 and 64 threads") {
+TEST_CASE("pitfall 9: the film's hash is the same from 1, 2, 3, 7, 16 and 64 threads", "[threads]") {
   for (const char* file : {"scenes/CornellBox.txt", "scenes/spheres.txt"}) {
     const SceneDescription scene = parse_scene_file(file);
     for (const IntegratorKind kind : kIntegrators) {
@@ -72,7 +61,7 @@ TEST_CASE("pitfall 9: the film's hash is the same from 1, 2, 3, 7, 16 and 64 thr
   }
 }
 
-TEST_CASE("a mesh whose hierarchy 1, 2, 3 or 7 threads have built gives the same film") {
+TEST_CASE("a mesh whose hierarchy 1, 2, 3 or 7 threads have built gives the same film", "[threads]") {
   const SceneDescription scene = parse_scene_file("build/scenes/mesh.txt");
   RenderRequest request = small_request(IntegratorKind::path, 40, 1, 4);
   const std::string alone = hash_of(scene, request);
@@ -251,7 +240,8 @@ TEST_CASE("the advice of a refused job is right: what it says would fit does fit
   CHECK_NOTHROW(Renderer(scene, resolve_job(request, scene)));
 }
 
-TEST_CASE("a stopped render is marked partial, whole up to where it came, and as bright as a full one") {
+TEST_CASE("a stopped render is marked partial, whole up to where it came, and as bright as a full one",
+          "[threads]") {
   const SceneDescription scene = cornell_box();
   const RenderRequest finished = small_request(IntegratorKind::pssmlt, 16, scaled_effort(64), 5);
   const Moments full = luminance_of(render_replicates(scene, finished, 8, 1));
@@ -278,24 +268,8 @@ TEST_CASE("a stopped render is marked partial, whole up to where it came, and as
   CHECK(welch_t_test(partial, full).p_value > 1e-4);
 }
 
-TEST_CASE("chains are left where they are when the render is stopped") {
-  RenderRequest request = small_request(IntegratorKind::pssmlt, 16, 1U << 20, 5);
-  request.chains = 64;
-  request.bootstrap = 4096;
-  request.threads = 1;
-  const SceneDescription scene = cornell_box();
-  Renderer renderer(scene, resolve_job(request, scene));
-  renderer.prepare();
-  StopInChains stopper{*request.bootstrap};
-  const RenderStatistics statistics = renderer.run(stopper.stop, &StopInChains::progress, &stopper);
-  CHECK(statistics.partial);
-  // Less than the first chains would have made; that many take seconds.
-  CHECK(statistics.mutations > 0);
-  CHECK(statistics.mutations < 16ULL << 20);
-  CHECK(mean_luminance(renderer.image()) > 0.0);
-}
-
-TEST_CASE("a stopped path tracer has whole pixels alone, though blocks of samples span several") {
+TEST_CASE("a stopped path tracer has whole pixels alone, though blocks of samples span several",
+          "[threads]") {
   constexpr std::uint64_t kSamples = 13;
   const SceneDescription scene = cornell_box();
   // More than a quarter of a second, after which the first progress report stops it.

@@ -61,7 +61,7 @@ struct Counters {
   }
 };
 
-TEST_CASE("every unit runs exactly once, on 1 to 64 threads") {
+TEST_CASE("every unit runs exactly once, on 1 to 64 threads", "[threads]") {
   for (const std::uint32_t workers : {1U, 2U, 3U, 4U, 7U, 16U, 33U, 64U}) {
     Pool pool(workers);
     for (const std::uint64_t units : {0U, 1U, 2U, 63U, 1000U}) {
@@ -75,7 +75,7 @@ TEST_CASE("every unit runs exactly once, on 1 to 64 threads") {
   }
 }
 
-TEST_CASE("phases follow each other, and each sees what the one before wrote") {
+TEST_CASE("phases follow each other, and each sees what the one before wrote", "[threads]") {
   Pool pool(4);
   constexpr std::uint64_t kUnits = 50;
   constexpr std::uint32_t kPhases = 500;
@@ -87,7 +87,7 @@ TEST_CASE("phases follow each other, and each sees what the one before wrote") {
   CHECK(counters.total_of_workers() == kUnits * kPhases);
 }
 
-TEST_CASE("as a runner of units the pool runs each once, and its caller sees what they wrote") {
+TEST_CASE("as a runner of units the pool runs each once, and its caller sees what they wrote", "[threads]") {
   for (const std::uint32_t workers : {1U, 2U, 7U}) {
     Pool pool(workers);
     const UnitRunner runner = pool->runner();
@@ -115,7 +115,7 @@ struct Stopping {
   }
 };
 
-TEST_CASE("a stop flag ends a stoppable phase between units, of which the first ones have run") {
+TEST_CASE("a stop flag ends a stoppable phase between units, of which the first ones have run", "[threads]") {
   for (const std::uint32_t workers : {1U, 4U, 16U}) {
     Pool pool(workers);
     Stopping stopping;
@@ -134,7 +134,7 @@ TEST_CASE("a stop flag ends a stoppable phase between units, of which the first 
   }
 }
 
-TEST_CASE("the waiting thread is called back while units run") {
+TEST_CASE("the waiting thread is called back while units run", "[threads]") {
   struct Waiting {
     std::atomic<bool> called{false};
     static void unit(void* context, std::uint32_t, std::uint64_t) {
@@ -147,7 +147,7 @@ TEST_CASE("the waiting thread is called back while units run") {
   CHECK(pool->run({"test", &Waiting::unit, &waiting, 2, true}, kNeverStop, &Waiting::idle, &waiting) == 2);
 }
 
-TEST_CASE("units know the stage for failure reports") {
+TEST_CASE("units know the stage for failure reports", "[threads]") {
   const ChildResult child = run_in_child([] {
     Pool pool(2);
     const auto fail = [](void*, std::uint32_t, std::uint64_t unit) { MLT_CHECK_OP(unit, <, 5U); };
@@ -157,14 +157,14 @@ TEST_CASE("units know the stage for failure reports") {
   CHECK_THAT(child.errors, Catch::Contains("while: some stage"));
 }
 
-TEST_CASE("a pool can end without a phase, be stopped twice, or never start") {
+TEST_CASE("a pool can end without a phase, be stopped twice, or never start", "[threads]") {
   WorkerPool never_started;
   Pool pool(3);
   pool->stop();
   pool->stop();
 }
 
-TEST_CASE("a pool without threads, or started again, is a bug instead of a wait for ever") {
+TEST_CASE("a pool without threads, or started again, is a bug instead of a wait for ever", "[threads]") {
   const auto exit_code = [](auto body) { return run_in_child(body).exit_code; };
   CHECK(exit_code([] { Pool pool(0); }) == 70);
   CHECK(exit_code([] {
@@ -176,7 +176,7 @@ TEST_CASE("a pool without threads, or started again, is a bug instead of a wait 
         }) == 70);
 }
 
-TEST_CASE("an event releases all waiters once it differs from the value they know") {
+TEST_CASE("an event releases all waiters once it differs from the value they know", "[threads]") {
   for (int repetition = 0; repetition < 100; ++repetition) {
     Event event;
     int written = 0;
@@ -198,7 +198,7 @@ TEST_CASE("an event releases all waiters once it differs from the value they kno
   }
 }
 
-TEST_CASE("an event's wait with a limit ends without being raised") {
+TEST_CASE("an event's wait with a limit ends without being raised", "[threads]") {
   Event event;
   event.wait_while(0, 5);
   CHECK(event.value() == 0);

@@ -137,8 +137,10 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
     const ChainTask task{job.first_chain + i, job.mutations, start};
     ChainStatistics statistics;
     ChainGroup<FaultyIntegrator, FixedFilm> chain(integrator, settings, {samples, saved, current, proposed},
-                                                  {&task, 1}, {&film, 1});
-    chain.run({&statistics, 1});
+                                                  {&task, 1}, {&film, 1}, {&statistics, 1});
+    chain.begin();
+    chain.advance(job.mutations);
+    chain.end();
     total.add(statistics);
   }
   LuminanceSum all = bootstrap;
