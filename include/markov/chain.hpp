@@ -42,7 +42,7 @@ struct ChainTask {
 template <class F>
 struct ChainWorkspaceOf {
   std::span<PrimarySampleOf<F>> samples;
-  std::span<SavedSampleOf<F>> saved;
+  std::span<ProposedSampleOf<F>> saved;
   std::span<SplatOf<F>> current;
   std::span<SplatOf<F>> proposed;
 };

@@ -1,8 +1,9 @@
 // The state of a Metropolis chain: a lazily mutated vector of primary samples [Kelemen02]. Each
 // sample carries the time of its last change; a small step brings a sample up to date only when a path asks
 // for it, one mutation for each accepted step that it missed, so that its distribution is the same as if it
-// had been mutated every time. Rejected proposals are undone from a stack of fixed capacity. As many chains
-// as F has lanes ask for their samples together, each with streams of its own.
+// had been mutated every time. A proposal's samples are kept apart, in a stack of fixed capacity, and taken
+// over where it is accepted. As many chains as F has lanes ask for their samples together, each with streams
+// of its own.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +25,11 @@ struct PrimarySampleOf {
   UintOf<F> value{};  ///< 32-bit fixed point in [0,1)
 };
 
-/// What a proposal overwrote.
+/// The same as a proposal has it.
 template <class F>
-struct SavedSampleOf {
-  PrimarySampleOf<F> sample;
-  std::uint32_t index = 0;
+struct ProposedSampleOf {
+  UintOf<F> value{};
+  MaskOf<F> asked{};  ///< lanes whose paths asked for it
 };
 
 template <class F>
@@ -39,15 +40,15 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
  public:
   /// Both spans have the capacity that the integrator states; their contents are overwritten. `first_time`
   /// is where time starts (at least 1); it must not pass 2^32 - 1.
-  PrimarySampleVectorOf(std::span<PrimarySampleOf<F>> samples, std::span<SavedSampleOf<F>> saved,
+  PrimarySampleVectorOf(std::span<PrimarySampleOf<F>> samples, std::span<ProposedSampleOf<F>> proposed,
                         MakeSteps<F> make_steps, float step_size, std::uint32_t first_time = 1)
       : samples_(samples),
-        saved_(saved),
+        proposed_(proposed),
         make_steps_(make_steps),
         step_size_(step_size),
         time_(broadcast_bits<U>(first_time)),
         large_step_time_(broadcast_bits<U>(first_time)) {
-    MLT_CHECK_OP(samples.size(), ==, saved.size());
+    MLT_CHECK_OP(samples.size(), ==, proposed.size());
     MLT_CHECK_OP(first_time, >=, 1U);
     for (PrimarySampleOf<F>& sample : samples_) sample = PrimarySampleOf<F>{};
   }
@@ -60,7 +61,6 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     initial_ = source;
     is_initial_ = true;
     progress_.restart();
-    saved_count_ = 0;
   }
   void end_initial() { is_initial_ = false; }
 
@@ -68,7 +68,6 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   void begin_proposal(M large_step) {
     large_step_ = large_step;
     progress_.restart();
-    saved_count_ = 0;
     current_time_ = select(large_step, broadcast_bits<U>(kNever), time_);
     time_ += 1U;
   }
@@ -83,32 +82,35 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     const M small_step = active & not_in(large_step_);
     if (const M late = small_step & (sample.time != current_time_); any(late)) [[unlikely]]
       catch_up(sample, late);
-    saved_[saved_count_++] = SavedSampleOf<F>{sample, index};
     const U draws = rng_.next_fixed(active);
     const U value = select(large_step_, draws, sample.value + steps(draws, small_step));
-    sample.time = select(active, time_, sample.time);
-    sample.value = select(active, value, sample.value);
+    ProposedSampleOf<F>& proposed = proposed_[index];
+    proposed.value = value;
+    proposed.asked = active;
     return value;
   }
 
-  void skip(std::uint32_t count, M active = not_in(M{})) { progress_.advance(count, active); }
+  void skip(std::uint32_t count, M active = not_in(M{})) {
+    const std::uint32_t first = progress_.advance(count, active);
+    if (is_initial_) return;
+    MLT_CHECK_OP(first + count, <=, proposed_.size());
+    for (std::uint32_t i = first; i < first + count; ++i) proposed_[i].asked = M{};
+  }
 
   /// How far the paths have come since the proposal began.
   U dimension() const { return progress_.reached(); }
 
   void accept(M accepted = not_in(M{})) {
     large_step_time_ = select(accepted & large_step_, time_, large_step_time_);
+    for (std::uint32_t i = 0; i < progress_.cursor(); ++i) {
+      const M taken = accepted & proposed_[i].asked;
+      PrimarySampleOf<F>& sample = samples_[i];
+      sample.time = select(taken, time_, sample.time);
+      sample.value = select(taken, proposed_[i].value, sample.value);
+    }
   }
 
-  void reject(M rejected = not_in(M{})) {
-    for (std::uint32_t i = 0; i < saved_count_; ++i) {
-      const SavedSampleOf<F>& saved = saved_[i];
-      PrimarySampleOf<F>& sample = samples_[saved.index];
-      sample.time = select(rejected, saved.sample.time, sample.time);
-      sample.value = select(rejected, saved.sample.value, sample.value);
-    }
-    time_ -= mask_bits(rejected) & 1U;
-  }
+  void reject(M rejected = not_in(M{})) { time_ -= mask_bits(rejected) & 1U; }
 
   RngOf<F>& rng() { return rng_; }
 
@@ -147,7 +149,7 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   }
 
   std::span<PrimarySampleOf<F>> samples_;
-  std::span<SavedSampleOf<F>> saved_;
+  std::span<ProposedSampleOf<F>> proposed_;
   RngOf<F> rng_;
   MakeSteps<F> make_steps_;
   float step_size_;
@@ -157,7 +159,6 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   U large_step_time_;
   M large_step_{};
   Progress<F> progress_;
-  std::uint32_t saved_count_ = 0;
   bool is_initial_ = false;
 };
 using PrimarySampleVector = PrimarySampleVectorOf<float>;

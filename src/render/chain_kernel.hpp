@@ -46,7 +46,7 @@ inline ChainSettings settings_of(const RenderStorage& storage) {
 
 inline ChainWorkspaceOf<WideFloat> workspace_of(const ChainBench& bench) {
   return {items_of<PrimarySampleOf<WideFloat>>(bench.samples),
-          items_of<SavedSampleOf<WideFloat>>(bench.saved), splats_of(bench.current),
+          items_of<ProposedSampleOf<WideFloat>>(bench.saved), splats_of(bench.current),
           splats_of(bench.proposed)};
 }
 

@@ -108,7 +108,7 @@ Kernel make_kernel() {
   kernel.chain_turn = &run_chain_turn<kFeatures>;
   kernel.lanes = kWideLanes;
   kernel.sample_bytes = sizeof(PrimarySampleOf<WideFloat>);
-  kernel.saved_bytes = sizeof(SavedSampleOf<WideFloat>);
+  kernel.saved_bytes = sizeof(ProposedSampleOf<WideFloat>);
   kernel.group_bytes = sizeof(RunningGroup<kFeatures>);
   return kernel;
 }

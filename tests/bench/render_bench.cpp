@@ -51,7 +51,7 @@ double mutation_nanoseconds() {
   constexpr int kSteps = 200000;
   using F = WideFloat;
   std::vector<PrimarySampleOf<F>> samples(kSamples);
-  std::vector<SavedSampleOf<F>> saved(kSamples);
+  std::vector<ProposedSampleOf<F>> saved(kSamples);
   PrimarySampleVectorOf<F> vector(samples, saved, make_steps_of<F>(MutationKind::kelemen), 1);
   for (int lane = 0; lane < kWideLanes; ++lane) {
     const auto index = static_cast<std::uint64_t>(lane);

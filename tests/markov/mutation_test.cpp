@@ -128,7 +128,7 @@ TEST_CASE("a step leaves the uniform distribution uniform, and wraps exactly") {
 template <MutationKind kKind>
 float largest_sample(std::uint64_t mutations) {
   std::array<PrimarySampleOf<float>, 2> samples;
-  std::array<SavedSampleOf<float>, 2> saved;
+  std::array<ProposedSampleOf<float>, 2> saved;
   PrimarySampleVector vector(samples, saved, make_steps_of<float>(kKind), 1);
   vector.set_lane(0, Rng(3, StreamPurpose::kTest, 0));
   float largest = 0;

@@ -40,7 +40,7 @@ struct CountingMutation {
 template <class Mutation, std::size_t kCapacity = 4>
 struct Fixture {
   std::array<PrimarySampleOf<float>, kCapacity> samples;
-  std::array<SavedSampleOf<float>, kCapacity> saved;
+  std::array<ProposedSampleOf<float>, kCapacity> saved;
   PrimarySampleVector vector;
 
   explicit Fixture(std::uint64_t stream, std::uint32_t first_time = 1)

@@ -60,7 +60,7 @@ template <class Mutation, class Integrator, class Film>
 ChainStatistics run_chain(const Integrator& integrator, const ToyJob& job, float weight_b,
                           std::uint64_t chain_index, const SeedPath& start, Film& film) {
   std::array<PrimarySampleOf<float>, Integrator::kCapacity> samples;
-  std::array<SavedSampleOf<float>, Integrator::kCapacity> saved;
+  std::array<ProposedSampleOf<float>, Integrator::kCapacity> saved;
   std::array<Splat, Integrator::kMaxSplats> current, proposed;
   ChainSettings settings;
   settings.seed = job.seed;

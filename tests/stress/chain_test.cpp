@@ -110,7 +110,7 @@ RenderResult run_chains(const SceneDescription& scene, const ChainJob& job) {
   const FaultyIntegrator integrator{{compiled.world(), PathSettings{2, 2}}, job.defect_rate};
   const std::uint32_t capacity = 1 + PathIntegrator<kAllFeatures>::primary_sample_capacity(2);
   std::vector<PrimarySampleOf<float>> samples(capacity);
-  std::vector<SavedSampleOf<float>> saved(capacity);
+  std::vector<ProposedSampleOf<float>> saved(capacity);
   std::vector<Splat> current(FaultyIntegrator::kMaxSplats), proposed(FaultyIntegrator::kMaxSplats);
 
   DefectCounts defects;
