@@ -82,7 +82,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   /// For `sample_count` samples (>= 1) of a sequence in each pixel of a film of width x height pixels.
   PixelSamplerOf(std::uint64_t seed, std::uint32_t width, std::uint32_t height, std::uint64_t sample_count)
-      : seed_(seed), width_(width), height_(height) {
+      : stream_(seed, StreamPurpose::kPixel), width_(width), height_(height) {
     // Index bits above the sample count would only add a constant digital shift, which the scramble adds
     // anyway.
     while (index_mask_ < sample_count - 1 && index_mask_ != 0xffffffffU)
@@ -200,7 +200,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
 
   std::uint64_t key_of(const PixelSample& sample) const {
     const std::uint64_t pixel = std::uint64_t{sample.y} << 32 | sample.x;
-    const std::uint64_t key = Rng(seed_, StreamPurpose::kPixel, pixel).next_key();
+    const std::uint64_t key = Rng(stream_, pixel).next_key();
     return sample.sequence == 0 ? key : mix64(key + 0xd1b54a32d192ed03ULL * sample.sequence);
   }
 
@@ -335,7 +335,7 @@ class PixelSamplerOf : public FloatSamples<PixelSamplerOf<F>, F> {
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(ratio));
   }
 
-  std::uint64_t seed_;
+  StreamKey stream_;
   std::uint32_t width_, height_;
   std::uint32_t index_mask_ = 0;
   std::uint32_t run_count_ = 0, count_ = 0;  ///< runs and samples of the block

@@ -113,6 +113,7 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
   using F = typename Integrator::Float;
   const std::uint64_t first = chunk_index * kBootstrapChunk;
   const std::uint64_t last = first + bootstrap_chunk_size(paths, chunk_index);
+  const BootstrapStreams streams(seed, paths);
   ContributionOf<F> contribution(splats);
   ReplayContext& context = replay_context();
   context.seed = seed;
@@ -121,9 +122,8 @@ void visit_bootstrap_chunk(const Integrator& integrator, std::uint64_t seed, std
     context.step = index;
     const MaskOf<F> active = first_lanes<F>(last - index);
     BootstrapSamplerOf<F> sampler;
-    for_lanes(active, [&](int lane) {
-      sampler.set_lane(lane, seed, index + static_cast<std::uint64_t>(lane), paths);
-    });
+    for_lanes(active,
+              [&](int lane) { sampler.set_lane(lane, streams, index + static_cast<std::uint64_t>(lane)); });
     evaluate_into(integrator, sampler, active, contribution, [&](int) -> DefectCounts& { return defects; });
     for_lanes(active, [&](int lane) {
       visit(index + static_cast<std::uint64_t>(lane), lane_of(contribution.target(), lane));

@@ -40,17 +40,29 @@ constexpr FilmPlace stratified_place(FilmPlace within, std::uint64_t index, std:
           (even_bits(on_curve >> 1) << 4 | (within.y & 15U)) ^ shift.y};
 }
 
+/// What all paths of a bootstrap have in common.
+struct BootstrapStreams {
+  StreamKey key;
+  std::uint64_t paths;
+  FilmPlace shift;
+
+  BootstrapStreams(std::uint64_t seed, std::uint64_t path_count)
+      : key(seed, StreamPurpose::kBootstrap), paths(path_count) {
+    Rng shifts(seed, StreamPurpose::kBootstrapFilm, 0);
+    shift.x = shifts.next_fixed();
+    shift.y = shifts.next_fixed();
+  }
+};
+
 /// A pure function of (seed, index, number of paths); of one path for each lane that is set.
 template <class F>
 class BootstrapSamplerOf : public FloatSamples<BootstrapSamplerOf<F>, F> {
  public:
-  void set_lane(int lane, std::uint64_t seed, std::uint64_t index, std::uint64_t paths) {
-    MLT_CHECK_OP(index, <, paths);
-    Rng rng(seed, StreamPurpose::kBootstrap, index);
-    Rng shifts(seed, StreamPurpose::kBootstrapFilm, 0);
+  void set_lane(int lane, const BootstrapStreams& streams, std::uint64_t index) {
+    MLT_CHECK_OP(index, <, streams.paths);
+    Rng rng(streams.key, index);
     const FilmPlace within{rng.next_fixed(), rng.next_fixed()};
-    const FilmPlace shift{shifts.next_fixed(), shifts.next_fixed()};
-    const FilmPlace place = stratified_place(within, index, paths, shift);
+    const FilmPlace place = stratified_place(within, index, streams.paths, streams.shift);
     set_lane_of(film_[0], lane, place.x);
     set_lane_of(film_[1], lane, place.y);
     rng_.set_lane(lane, rng);
@@ -73,7 +85,7 @@ class BootstrapSamplerOf : public FloatSamples<BootstrapSamplerOf<F>, F> {
 inline BootstrapSamplerOf<float> bootstrap_sampler(std::uint64_t seed, std::uint64_t index,
                                                    std::uint64_t paths) {
   BootstrapSamplerOf<float> sampler;
-  sampler.set_lane(0, seed, index, paths);
+  sampler.set_lane(0, BootstrapStreams(seed, paths), index);
   return sampler;
 }
 

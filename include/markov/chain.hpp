@@ -96,12 +96,13 @@ class ChainGroup {
   void begin() {
     replay_context().step = 0;
     name_in_reports();
+    const BootstrapStreams streams(settings_.seed, settings_.bootstrap);
     BootstrapSamplerOf<F> starts;
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const int lane = static_cast<int>(i);
       const std::uint64_t index = tasks_[i].chain_index;
       samples_.set_lane(lane, Rng(settings_.seed, StreamPurpose::kChain, index));
-      starts.set_lane(lane, settings_.seed, tasks_[i].start.index, settings_.bootstrap);
+      starts.set_lane(lane, streams, tasks_[i].start.index);
     }
     samples_.begin_initial(starts);
     DefectCounts counted_by_the_bootstrap;

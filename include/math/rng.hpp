@@ -44,6 +44,16 @@ MLT_INLINE auto unit_float(U fixed) {
   return to_float(fixed >> 8) * 0x1p-24f;
 }
 
+/// What the streams of one purpose in a job have in common.
+struct StreamKey {
+  std::uint64_t low, high;
+
+  StreamKey(std::uint64_t seed, StreamPurpose purpose)
+      : low(mix64(mix64(seed + 0x9e3779b97f4a7c15ULL) +
+                  0xd1b54a32d192ed03ULL * static_cast<std::uint64_t>(purpose))),
+        high(mix64(low + 0x8cb92ba72f3d8dd7ULL)) {}
+};
+
 /// One generator for each lane of F.
 template <class F>
 class RngOf {
@@ -53,11 +63,11 @@ class RngOf {
   RngOf() = default;
 
   /// Of the stream's first numbers, in all lanes.
-  RngOf(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index) {
-    const std::uint64_t key = mix64(mix64(seed + 0x9e3779b97f4a7c15ULL) +
-                                    0xd1b54a32d192ed03ULL * static_cast<std::uint64_t>(purpose));
-    const std::uint64_t low = mix64(index + key);
-    const std::uint64_t high = mix64(low ^ mix64(key + 0x8cb92ba72f3d8dd7ULL));
+  RngOf(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index)
+      : RngOf(StreamKey(seed, purpose), index) {}
+  RngOf(const StreamKey& key, std::uint64_t index) {
+    const std::uint64_t low = mix64(index + key.low);
+    const std::uint64_t high = mix64(low ^ key.high);
     state_[0] = broadcast_bits<U>(static_cast<std::uint32_t>(low));
     state_[1] = broadcast_bits<U>(static_cast<std::uint32_t>(low >> 32));
     state_[2] = broadcast_bits<U>(static_cast<std::uint32_t>(high));

@@ -86,7 +86,7 @@ TEST_CASE("samples behind the film's are the path's stream, and lanes are paths"
   constexpr std::uint64_t kPaths = 100;
   BootstrapSamplerOf<WideFloat> wide;
   for (int lane = 0; lane < kLaneCount<WideFloat>; ++lane)
-    wide.set_lane(lane, 3, static_cast<std::uint64_t>(5 * lane), kPaths);
+    wide.set_lane(lane, BootstrapStreams(3, kPaths), static_cast<std::uint64_t>(5 * lane));
   std::vector<UintOf<WideFloat>> values(8);
   for (auto& value : values) value = wide.next_fixed();
   for (int lane = 0; lane < kLaneCount<WideFloat>; ++lane) {
