@@ -71,6 +71,8 @@ SET_SOURCES := $(wildcard src/render/kernel*.cpp src/geometry/*.cpp src/world/*.
 # What include/render/instruction_set.hpp asks the processor for (the lint compares). No -mprefer-vector-width: with
 # 256, clang splits the kernels' explicit vectors of 16 lanes, and g++ only copies memory in smaller pieces.
 SET_FLAGS_avx2 := -mavx2 -mfma
+# g++ would copy values of eight lanes in halves, and who reads them whole right after waits for both.
+COPY_FLAGS_avx2 := $(if $(findstring clang,$(CXX)),,-mmove-max=256 -mstore-max=256)
 SET_FLAGS_avx512 := -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mbmi -mbmi2
 # Lines of films are asked for to be written: one that another processor has written lately would have to be asked for
 # again. Processors of x86-64 that do not know the instruction take it for none. Symbols of binding "unique", an
@@ -82,7 +84,7 @@ $(OUT)/avx512/%.o: private WARNINGS += $(AVX512_QUIET)
 
 # A variant whose flags have changed is built anew: every object depends on this file.
 FLAGS_FILE := $(OUT)/flags
-FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(SET_FLAGS_avx2) $(SET_FLAGS_avx512) $(SET_FLAGS) $(LDFLAGS) $(LIBS)
+FLAGS_TEXT := $(CXX) $(CXXFLAGS) $(KERNEL_INLINING) $(SET_FLAGS) $(SET_FLAGS_avx2) $(COPY_FLAGS_avx2) $(SET_FLAGS_avx512) $(LDFLAGS) $(LIBS)
 ifeq ($(filter clean format-check,$(MAKECMDGOALS)),)
 $(shell mkdir -p $(OUT); printf '%s\n' '$(FLAGS_TEXT)' | cmp -s - $(FLAGS_FILE) || \
   printf '%s\n' '$(FLAGS_TEXT)' > $(FLAGS_FILE))
@@ -110,7 +112,7 @@ define KERNEL_SET
 $(OUT)/$(1)/%.o: src/%.cpp $$(FLAGS_FILE) | deps
 	@mkdir -p $$(dir $$@)
 	$$(SAY) "  compile $$@"
-	$$(Q)$$(CXX) $$(CXXFLAGS) $$(SET_FLAGS) $$(SET_FLAGS_$(1)) -DMLT_KERNEL_SET=mlt_kernel_set_$(1) -c $$< -o $$@
+	$$(Q)$$(CXX) $$(CXXFLAGS) $$(SET_FLAGS) $$(SET_FLAGS_$(1)) $$(COPY_FLAGS_$(1)) -DMLT_KERNEL_SET=mlt_kernel_set_$(1) -c $$< -o $$@
 
 $(OUT)/kernel_set_$(1).o: $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(SET_SOURCES))
 	$$(SAY) "  combine $$@"
@@ -320,7 +322,7 @@ define RAY_BENCH
 $(OUT)/$(1)/bench/ray_bench.o: tests/bench/ray_bench.cpp $$(FLAGS_FILE) | deps
 	@mkdir -p $$(dir $$@)
 	$$(SAY) "  compile $$@"
-	$$(Q)$$(CXX) $$(CXXFLAGS) -Itests $$(SET_FLAGS_$(1)) -DMLT_BENCH_SET=$(1) -c $$< -o $$@
+	$$(Q)$$(CXX) $$(CXXFLAGS) -Itests $$(SET_FLAGS_$(1)) $$(COPY_FLAGS_$(1)) -DMLT_BENCH_SET=$(1) -c $$< -o $$@
 $(OUT)/bench/ray_bench_$(1): LIBS += $$(if $$(wildcard /usr/include/embree3/rtcore.h),-lembree3)
 $(OUT)/bench/ray_bench_$(1): $(OUT)/$(1)/bench/ray_bench.o \
   $$(patsubst src/%.cpp,$(OUT)/$(1)/%.o,$$(wildcard src/geometry/*.cpp)) \
