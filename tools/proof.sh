@@ -64,7 +64,13 @@ foreign_symbols() {
 # Names of functions on a cycle of direct calls.
 recursive_functions() {
   objdump -dr --no-show-raw-insn "$work/core$1.o" | awk '
-    /^[0-9a-f]+ <.*>:$/ { own = substr($2, 2, length($2) - 3); sub(/\.cold.*/, "", own); next }
+    /^[0-9a-f]+ <.*>:$/ {
+      if (named != "") print own, named
+      named = ""
+      own = substr($2, 2, length($2) - 3)
+      sub(/\.cold.*/, "", own)
+      next
+    }
     /R_X86_64_(PLT32|PC32|GOTPCREL.*|64)/ {
       target = $NF
       sub(/[-+]0x[0-9a-f]+$/, "", target)
@@ -72,11 +78,15 @@ recursive_functions() {
       sub(/\.cold.*/, "", target)
       if (call) print own, target
       call = 0
+      named = ""
       next
     }
-    # A call within one section needs no relocation and names its target; jumps within a function do too.
-    { call = ($2 == "call" || $2 == "jmp")
-      if ($2 == "call" && $NF ~ /^<[^+]*>$/) { print own, substr($NF, 2, length($NF) - 2); call = 0 } }
+    # A call within one section needs no relocation and names its target; jumps within a function do too. With a
+    # relocation the name is that of what follows the call, which may be the next function.
+    { if (named != "") print own, named
+      call = ($2 == "call" || $2 == "jmp")
+      named = ($2 == "call" && $NF ~ /^<[^+]*>$/) ? substr($NF, 2, length($NF) - 2) : "" }
+    END { if (named != "") print own, named }
   ' | grep -vE '(^| )\.' | sort -u >"$work/calls"
   {
     awk '$1 == $2 { print $1 }' "$work/calls"  # to tsort a pair of equal names is no cycle

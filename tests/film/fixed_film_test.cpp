@@ -69,8 +69,9 @@ TEST_CASE("a splat is rounded to the nearest unit and goes to its pixel and its 
   film.splat(1, Vec3{1, 0x1p-29f, 0x1.fp-30f}, 0.0, 1.0);
   film.splat(2, Vec3{0.5f, 0.25f, 3}, 2.5, 1.0);
   CHECK(pixels[0] == FilmPixel{});
-  CHECK(pixels[1] == FilmPixel{{1 << 28, 1, 1}, {1 << 28, 1, 0}});
-  CHECK(pixels[2] == FilmPixel{{5 << 26, 5 << 25, std::int64_t{15} << 27}, {1 << 27, 1 << 26, 3 << 28}});
+  CHECK(pixels[1] == FilmPixel{.metropolis = {1 << 28, 1, 1}, .uniform = {1 << 28, 1, 0}});
+  CHECK(pixels[2] == FilmPixel{.metropolis = {5 << 26, 5 << 25, std::int64_t{15} << 27},
+                               .uniform = {1 << 27, 1 << 26, 3 << 28}});
 }
 
 TEST_CASE("pitfall 9: no number of mutations that leaves enough fraction bits can overflow a pixel") {
@@ -180,18 +181,19 @@ TEST_CASE("several writers add the same as one, to all sums of their pixel") {
 }
 
 TEST_CASE("adding films changes only the range asked for") {
-  Pixels sum(4, FilmPixel{{1, 2, 3}, {4, 5, 6}, {7, -8, 9}});
-  const Pixels source(4, FilmPixel{{10, 20, 30}, {40, 50, 60}, {-70, 80, 90}});
+  Pixels sum(4, FilmPixel{.metropolis = {1, 2, 3}, .difference = {7, -8, 9}, .uniform = {4, 5, 6}});
+  const Pixels source(
+      4, FilmPixel{.metropolis = {10, 20, 30}, .difference = {-70, 80, 90}, .uniform = {40, 50, 60}});
   add_films(sum, source, 1, 3);
-  const FilmPixel untouched{{1, 2, 3}, {4, 5, 6}, {7, -8, 9}};
-  const FilmPixel added{{11, 22, 33}, {44, 55, 66}, {-63, 72, 99}};
+  const FilmPixel untouched{.metropolis = {1, 2, 3}, .difference = {7, -8, 9}, .uniform = {4, 5, 6}};
+  const FilmPixel added{.metropolis = {11, 22, 33}, .difference = {-63, 72, 99}, .uniform = {44, 55, 66}};
   CHECK(sum == Pixels{untouched, added, added, untouched});
 }
 
 TEST_CASE("developing multiplies the Metropolis sums by b, the uniform sums by the weights' b") {
   Pixels film(4);
   const std::int64_t unit = std::int64_t{1} << 30;
-  film[1] = FilmPixel{{unit, 2 * unit, 0}, {0, 3 * unit, 5 * unit}};
+  film[1] = FilmPixel{.metropolis = {unit, 2 * unit, 0}, .uniform = {0, 3 * unit, 5 * unit}};
   FilmNormalisation normalisation;
   normalisation.b = 7;
   normalisation.weight_b = 11;
