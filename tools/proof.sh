@@ -81,8 +81,8 @@ recursive_functions() {
       named = ""
       next
     }
-    # A call within one section needs no relocation and names its target; jumps within a function do too. With a
-    # relocation the name is that of what follows the call, which may be the next function.
+    # A call within one section needs no relocation and names its target; jumps within a function do too.
+    # With a relocation the name is that of what follows the call, which may be the next function.
     { if (named != "") print own, named
       call = ($2 == "call" || $2 == "jmp")
       named = ($2 == "call" && $NF ~ /^<[^+]*>$/) ? substr($NF, 2, length($NF) - 2) : "" }
