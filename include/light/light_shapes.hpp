@@ -71,13 +71,14 @@ MLT_INLINE F corner_weight(const ReceiverOf<F>& receiver, const Vec3Of<F>& to_co
   return select(weight > 0.0f, weight, F{});
 }
 
-/// Density on a quad relative to the uniform one, bilinear between its corners [Hart20].
+/// Density on a quad relative to the uniform one, bilinear between its corners [Hart20]. Inline: the light's
+/// fields, one register each, would otherwise be written to memory for the call.
 template <class F>
 struct QuadDensity {
   F at_00, at_10, at_01, at_11;  ///< 4 in all; at_10 is at the end of edge_u
 
   /// Uniform where no corner counts.
-  QuadDensity(const LightOf<F>& light, const ReceiverOf<F>& receiver) {
+  MLT_INLINE QuadDensity(const LightOf<F>& light, const ReceiverOf<F>& receiver) {
     const Vec3Of<F> near_u = light.origin - receiver.position;
     const Vec3Of<F> far_u = near_u + light.edge_u;
     const F w_00 = corner_weight<F>(receiver, near_u, light.area);
@@ -93,12 +94,12 @@ struct QuadDensity {
     at_01 = select(counts, w_01 * scale, one);
     at_11 = select(counts, w_11 * scale, one);
   }
-  F at(const Vec2Of<F>& along) const {
+  MLT_INLINE F at(const Vec2Of<F>& along) const {
     const F at_0 = at_00 + along.y * (at_01 - at_00);
     const F at_1 = at_10 + along.y * (at_11 - at_10);
     return at_0 + along.x * (at_1 - at_0);
   }
-  Vec2Of<F> sample(const Vec2Of<F>& u) const {
+  MLT_INLINE Vec2Of<F> sample(const Vec2Of<F>& u) const {
     const F y = linear_density<F>(u.y, at_00 + at_10, at_01 + at_11);
     return {linear_density<F>(u.x, at_00 + y * (at_01 - at_00), at_10 + y * (at_11 - at_10)), y};
   }

@@ -41,7 +41,7 @@ inline Vec3Of<F> uniform_triangle(const Vec2Of<F>& u) {
 /// A number in [0,1) with density proportional to at_0 (1 - x) + at_1 x; both ends >= 0, finite, with finite
 /// squares. Where both are 0 it is 0.
 template <class F>
-inline F linear_density(F u, F at_0, F at_1) {
+MLT_INLINE F linear_density(F u, F at_0, F at_1) {
   const F root = square_root(at_0 * at_0 + u * (at_1 * at_1 - at_0 * at_0));
   const F denominator = at_0 + root;
   const F x = u * (at_0 + at_1) / nonzero(denominator > 0.0f, denominator);
