@@ -25,6 +25,15 @@ class LightTerms {
  public:
   explicit LightTerms(const Geometry& geometry) : geometry_(geometry) {}
 
+  /// Before each edge, after which either kind of term is added once at most. What is full is emptied here,
+  /// where little else is held in registers.
+  MLT_INLINE void begin_edge() {
+    if constexpr (kWaits) {
+      if (waiting_count_ >= kWidth) trace_group();
+      if (term_count_ + 2 > kTerms) settle();
+    }
+  }
+
   /// Adds `light` to `sum` in the lanes of `lanes`. The sum must last until finish().
   MLT_INLINE void add(V& sum, const V& light, M lanes) {
     if constexpr (kWaits) {
@@ -64,48 +73,70 @@ class LightTerms {
   };
 
   MLT_INLINE std::uint32_t append(V& sum, const V& light, M lanes) {
-    if (term_count_ == kTerms) settle();
     terms_[term_count_] = {&sum, light, lanes_of(lanes)};
     return term_count_++;
   }
 
-  /// Segments that wait for company, in the first lanes.
-  struct Waiting {
-    V origin{F{}, F{}, F{}}, direction{F{}, F{}, F{}};
-    U leaves{}, target{};
-    U place{};  ///< number of the term, times lanes, plus lane
+  /// What is kept of segments that wait for company.
+  enum Component : std::uint32_t {
+    kOrigin,
+    kDirection = kOrigin + 3,
+    kLeaves = kDirection + 3,
+    kTarget,
+    kPlace,  ///< number of the term, times lanes, plus lane
+    kComponents
   };
 
   MLT_INLINE void wait(const RayOf<F>& segment, const SegmentEnds<F>& ends, std::uint32_t term, M lanes) {
-    const LanePacking<F> packing(lanes, waiting_count_);
-    const auto packed = [&](const V& v) { return V{packing(v.x), packing(v.y), packing(v.z)}; };
-    const Waiting added{packed(segment.origin), packed(segment.direction), packing(ends.leaves),
-                        packing(ends.target), packing(lane_numbers<U>() + term * kWidth)};
-    const M old = lane_numbers<U>() < waiting_count_;
-    waiting_ = {select(old, waiting_.origin, added.origin), select(old, waiting_.direction, added.direction),
-                select(old, waiting_.leaves, added.leaves), select(old, waiting_.target, added.target),
-                select(old, waiting_.place, added.place)};
+    const LanePacking<F> packing(lanes);
+    const auto put = [&](std::uint32_t component, const auto& values) __attribute__((always_inline)) {
+      store_wide(waiting_[component] + waiting_count_, packing(values));
+    };
+    const auto put_vector = [&](std::uint32_t component, const V& v) __attribute__((always_inline)) {
+      put(component, v.x);
+      put(component + 1, v.y);
+      put(component + 2, v.z);
+    };
+    put_vector(kOrigin, segment.origin);
+    put_vector(kDirection, segment.direction);
+    put(kLeaves, ends.leaves);
+    put(kTarget, ends.target);
+    put(kPlace, lane_numbers<U>() + term * kWidth);
     waiting_count_ += packing.count();
-    if (waiting_count_ < kWidth) return;
-    trace(not_in(M{}));
-    // The others went on from lane 0.
-    waiting_ = added;
-    waiting_count_ -= kWidth;
   }
 
-  /// Traces segments that wait.
-  MLT_NOINLINE void trace(M lanes) {
-    const RayOf<F> segments{waiting_.origin, waiting_.direction, broadcast_to<F>(1.0f)};
-    const M blocked = geometry_.template occluded_lanes<kGeneralGeometry, F>(
-        segments, {waiting_.leaves, waiting_.target}, lanes);
+  template <class W>
+  MLT_INLINE W waiting(std::uint32_t component) const {
+    return load_wide<W>(waiting_[component]);
+  }
+  MLT_INLINE V waiting_vector(std::uint32_t component) const {
+    return {waiting<F>(component), waiting<F>(component + 1), waiting<F>(component + 2)};
+  }
+
+  /// Traces as many segments as fill all lanes.
+  MLT_NOINLINE void trace_group() {
+    trace(not_in(M{}));
+    waiting_count_ -= kWidth;
+    // Beyond those that wait nothing was written as yet.
+    const U kept = mask_bits(M(lane_numbers<U>() < waiting_count_));
+    for (auto& component : waiting_) store_wide(component, load_wide<U>(component + kWidth) & kept);
+  }
+
+  /// Traces the first segments that wait.
+  MLT_INLINE void trace(M lanes) {
+    const RayOf<F> segments{waiting_vector(kOrigin), waiting_vector(kDirection), broadcast_to<F>(1.0f)};
+    const SegmentEnds<F> ends{waiting<U>(kLeaves), waiting<U>(kTarget)};
+    const M blocked = geometry_.template occluded_lanes<kGeneralGeometry, F>(segments, ends, lanes);
+    const U places = waiting<U>(kPlace);
     for_lanes(M(blocked & lanes), [&](int lane) {
-      const std::uint32_t place = lane_of(waiting_.place, lane);
+      const std::uint32_t place = lane_of(places, lane);
       terms_[place / kWidth].lanes &= ~(1U << place % kWidth);
     });
   }
 
   /// Traces all segments, whose lanes may be few, and adds all terms.
   MLT_NOINLINE void settle() {
+    if (waiting_count_ >= kWidth) trace_group();
     if (waiting_count_ > 0) trace(first_lanes<F>(waiting_count_));
     waiting_count_ = 0;
     for (std::uint32_t i = 0; i < term_count_; ++i) {
@@ -119,7 +150,7 @@ class LightTerms {
   std::uint32_t term_count_ = 0;
   std::uint32_t waiting_count_ = 0;
   Term terms_[kTerms];
-  Waiting waiting_;
+  alignas(64) std::uint32_t waiting_[kComponents][2 * kWidth];
 };
 
 }  // namespace mlt

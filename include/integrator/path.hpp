@@ -8,6 +8,7 @@
 
 #include "integrator/features.hpp"
 #include "integrator/light_terms.hpp"
+#include "integrator/sampler.hpp"
 #include "integrator/splat.hpp"
 #include "light/light_table.hpp"
 #include "material/bsdf.hpp"
@@ -122,8 +123,9 @@ class PathIntegrator {
   /// Adds edge number `edge`, counted from 1. The radiance that it brings is `terms` to add.
   template <class Sampler>
   MLT_INLINE void advance(Sampler& sampler, std::uint32_t edge, Paths& paths, Terms& terms) const {
+    terms.begin_edge();
     M& active = paths.active;
-    const RayOf<F> ray = paths.ray;
+    const RayOf<F>& ray = paths.ray;
     const HitOf<F> hit =
         world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, paths.leaves, active);
     active &= hit.found();
@@ -164,27 +166,28 @@ class PathIntegrator {
     return select(primitive == world_.lights.lights[0].primitive, U{}, broadcast_bits<U>(kNoLight));
   }
 
-  /// Light sampling at the points hit, and the direction of the next edge.
+  /// Light sampling at the points hit, and the direction of the next edge. What the next edge needs is
+  /// written where it stays: in lanes each component of a copy is a register to be stored and loaded.
   template <class Sampler>
   MLT_INLINE void scatter(Sampler& sampler, std::uint32_t edge, const SurfacePointOf<F>& point,
                           const UintOf<F>& hit, UintOf<F> primitive_offset, Paths& paths,
                           Terms& terms) const {
     M& active = paths.active;
-    const MaterialRefOf<F> material(world_.materials.data(),
-                                    gather_bytes<F>(&world_.primitives[0].material, primitive_offset));
+    const MaterialRefOf<F> material_ref(world_.materials.data(),
+                                        gather_bytes<F>(&world_.primitives[0].material, primitive_offset));
+    const auto material = scatterer<kDiffuseOnly>(material_ref);
     const FrameOf<F> frame(point.normal);
     const V wo = frame.to_local(-paths.ray.direction);
     // Materials that light is sampled for gather it on the side that is looked at.
-    const ReceiverOf<F> receiver{point.position, select(wo.z < 0.0f, -point.normal, point.normal)};
-    if (const M rough = kDiffuseOnly ? active : M(active & not_in(material.is_delta())); any(rough)) {
-      direct_light(sampler, material, Vertex{point, frame, wo, hit, receiver}, rough, paths, terms);
-    } else {
-      sampler.skip(kLightSamples, active);
-    }
-
-    const F u_lobe = kLobeChoice ? sampler.next(active) : F{};
+    ReceiverOf<F>& receiver = paths.arrival.from;
+    receiver.position = point.position;
+    receiver.normal = select(wo.z < 0.0f, -point.normal, point.normal);
+    const M rough = kDiffuseOnly ? active : M(active & not_in(material_ref.is_delta()));
+    const VertexSamples<F> samples = sampler.template next_vertex<kManyLights, kLobeChoice>(rough, active);
+    if (any(rough))
+      direct_light(samples, material, Vertex{point, frame, wo, hit, receiver}, rough, paths, terms);
     const BsdfSampleOf<F> bsdf =
-        sample_bsdf<kDiffuseOnly, F>(material, wo, u_lobe, sampler.next_2d(active), active);
+        sample_bsdf<kDiffuseOnly, F>(material, wo, samples.lobe, samples.bsdf, active);
     paths.throughput *= bsdf.weight;
     active &= not_in(is_zero<F>(paths.throughput));
     if (!any(active)) return;
@@ -193,10 +196,11 @@ class PathIntegrator {
       active &= survives(sampler, edge, paths.eta_scale, paths.throughput, active);
       if (!any(active)) return;
     }
-    paths.arrival = Arrival{receiver, bsdf.pdf_solid_angle, bsdf.is_delta};
+    paths.arrival.pdf_solid_angle = bsdf.pdf_solid_angle;
+    paths.arrival.is_delta = bsdf.is_delta;
     paths.leaves = hit;
-    const V direction = frame.to_world(bsdf.wi);
-    paths.ray = RayOf<F>{point.origin_towards(direction), direction, broadcast_to<F>(kInfinity)};
+    paths.ray.direction = frame.to_world(bsdf.wi);
+    paths.ray.origin = point.origin_towards(paths.ray.direction);
     // The last edge brings nothing unless it ends on a light.
     if (edge + 1 == settings_.depth) active &= world_.light_box.may_be_met_by<F>(paths.ray);
   }
@@ -226,12 +230,10 @@ class PathIntegrator {
   };
 
   /// Next-event estimation: one point on one light for each lane of `active`, weighted against BSDF sampling.
-  template <class Sampler>
-  MLT_INLINE void direct_light(Sampler& sampler, const MaterialRefOf<F>& material, const Vertex& vertex,
-                               M active, Paths& paths, Terms& terms) const {
-    const F u_choice = kManyLights ? sampler.next(active) : F{};
-    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.receiver, u_choice,
-                                                                sampler.next_2d(active), active);
+  MLT_INLINE void direct_light(const VertexSamples<F>& samples, const ScattererOf<kDiffuseOnly, F>& material,
+                               const Vertex& vertex, M active, Paths& paths, Terms& terms) const {
+    const LightSampleOf<F> light = sample_light<kManyLights, F>(world_.lights, vertex.receiver,
+                                                                samples.light_choice, samples.light, active);
     M seen = active & (light.pdf_solid_angle > 0.0f) & not_in(is_zero<F>(light.radiance));
     if (!any(seen)) return;
     const BsdfValueOf<F> bsdf =

@@ -3,6 +3,7 @@
 //   Uint next_fixed(active)   the next primary sample, a 32-bit fixed-point number in [0,1)
 //   Float next(active)        the same as a float in [0, 1-2^-24]
 //   Vec2 next_2d(active)      two at once, which a stratifying sampler distributes jointly
+//   VertexSamples next_vertex(lit, active)   all that a vertex of a path needs but for roulette
 //   void skip(n, active)      passes over n primary samples that no lane needs, so that later ones keep their
 //                             meaning; lanes outside a mask pass over its samples as well
 //   Uint dimension()          how far the path of each lane has come: samples asked for or skipped by it
@@ -17,6 +18,16 @@
 
 namespace mlt {
 
+/// What a vertex of a path asks for, in this order: for the choice of a light and a point on it, for the
+/// choice of a lobe and a direction.
+template <class F>
+struct VertexSamples {
+  F light_choice{};
+  Vec2Of<F> light{};
+  F lobe{};
+  Vec2Of<F> bsdf{};
+};
+
 /// Mixin: the float forms over a sampler's own next_fixed().
 template <class Derived, class F>
 class FloatSamples {
@@ -26,6 +37,22 @@ class FloatSamples {
     const UintOf<F> first = self().next_fixed(active);
     const UintOf<F> second = self().next_fixed(active);
     return Vec2Of<F>{unit_float(first), unit_float(second)};
+  }
+
+  /// Light is sampled for in the lanes of `lit`, which are active. Not inline: between one sample and the
+  /// next nothing else of the path could stay in registers.
+  template <bool kLightChoice, bool kLobeChoice>
+  MLT_NOINLINE VertexSamples<F> next_vertex(MaskOf<F> lit, MaskOf<F> active) {
+    VertexSamples<F> samples;
+    if (any(lit)) {
+      if constexpr (kLightChoice) samples.light_choice = self().next(lit);
+      samples.light = self().next_2d(lit);
+    } else {
+      self().skip(2 + (kLightChoice ? 1 : 0), active);
+    }
+    if constexpr (kLobeChoice) samples.lobe = self().next(active);
+    samples.bsdf = self().next_2d(active);
+    return samples;
   }
 
  private:

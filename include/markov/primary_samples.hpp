@@ -75,19 +75,34 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
   MLT_INLINE U next_fixed(M active = not_in(M{})) {
     const std::uint32_t index = progress_.advance(1, active);
     MLT_CHECK_OP(index, <, samples_.size());
-    PrimarySampleOf<F>& sample = samples_[index];
     if (is_initial_) [[unlikely]]
-      return draw_initial(sample, active);
-    // Most often: small steps of samples that are up to date.
-    const M small_step = active & not_in(large_step_);
-    if (const M late = small_step & (sample.time != current_time_); any(late)) [[unlikely]]
-      catch_up(sample, late);
-    const U draws = rng_.next_fixed(active);
-    const U value = select(large_step_, draws, sample.value + steps(draws, small_step));
-    ProposedSampleOf<F>& proposed = proposed_[index];
-    proposed.value = value;
-    proposed.asked = active;
-    return value;
+      return draw_initial(samples_[index], active);
+    return propose(
+        index, active, rng_, [&](const U& draws, M lanes) __attribute__((always_inline)) {
+          return is_usual() ? Usual::template steps<F>(draws, rng_, lanes, step_size_)
+                            : make_steps_(draws, rng_, lanes, step_size_);
+        });
+  }
+
+  /// The generator stays in registers meanwhile, so that nothing here may call a function that could read it.
+  template <bool kLightChoice, bool kLobeChoice>
+  MLT_NOINLINE VertexSamples<F> next_vertex(M lit, M active) {
+    constexpr std::uint32_t kLight = 2 + (kLightChoice ? 1 : 0), kBsdf = 2 + (kLobeChoice ? 1 : 0);
+    if (is_initial_ || !is_usual()) [[unlikely]]
+      return Floats::template next_vertex<kLightChoice, kLobeChoice>(lit, active);
+    const std::uint32_t first = progress_.advance(kLight + kBsdf, active);
+    MLT_CHECK_OP(first + kLight + kBsdf, <=, samples_.size());
+    RngOf<F> rng = rng_;
+    const auto steps = [&](const U& draws, M lanes) __attribute__((always_inline)) {
+      return Usual::template steps<F>(draws, rng, lanes, step_size_);
+    };
+    F values[kLight + kBsdf];
+    for (std::uint32_t i = 0; i < kLight + kBsdf; ++i)
+      values[i] = unit_float(propose(first + i, i < kLight ? lit : active, rng, steps));
+    rng_ = rng;
+    const F* const light = values + kLight - 2;
+    const F* const bsdf = values + kLight + kBsdf - 2;
+    return {values[0], {light[0], light[1]}, values[kLight], {bsdf[0], bsdf[1]}};
   }
 
   void skip(std::uint32_t count, M active = not_in(M{})) {
@@ -116,6 +131,11 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
 
  private:
   static constexpr std::uint32_t kNever = ~std::uint32_t{0};
+  using Floats = FloatSamples<PrimarySampleVectorOf, F>;
+  using Usual = Mutation<MutationKind::kelemen>;
+
+  /// Steps of the usual kind are made without a call, which would write all registers to memory.
+  MLT_INLINE bool is_usual() const { return make_steps_ == &Usual::template steps<F, RngOf<F>>; }
 
   [[gnu::noinline]] U draw_initial(PrimarySampleOf<F>& sample, M active) {
     const U value = initial_.next_fixed(active);
@@ -124,25 +144,33 @@ class PrimarySampleVectorOf : public FloatSamples<PrimarySampleVectorOf<F>, F> {
     return value;
   }
 
-  MLT_INLINE U steps(const U& draws, M lanes) {
-    // The usual kind without a call, which would spill all registers.
-    using Usual = Mutation<MutationKind::kelemen>;
-    if (make_steps_ == &Usual::template steps<F, RngOf<F>>) [[likely]]
-      return Usual::template steps<F>(draws, rng_, lanes, step_size_);
-    return make_steps_(draws, rng_, lanes, step_size_);
+  /// The proposal's sample of one dimension; steps(draws, lanes) makes small steps.
+  template <class Steps>
+  MLT_INLINE U propose(std::uint32_t index, M active, RngOf<F>& rng, Steps&& steps) {
+    PrimarySampleOf<F>& sample = samples_[index];
+    // Most often: small steps of samples that are up to date.
+    const M small_step = active & not_in(large_step_);
+    if (const M late = small_step & (sample.time != current_time_); any(late)) [[unlikely]]
+      catch_up(sample, late, rng, steps);
+    const U draws = rng.next_fixed(active);
+    const U value = select(large_step_, draws, sample.value + steps(draws, small_step));
+    ProposedSampleOf<F>& proposed = proposed_[index];
+    proposed.value = value;
+    proposed.asked = active;
+    return value;
   }
 
-  /// Brings samples of the lanes of `late` to the current state, one step before the proposal. A sample older
-  /// than the last large step, or never asked for, is uniform and independent of all others, and the steps
-  /// that it missed since would leave it so: it is drawn as of now.
-  MLT_NOINLINE void catch_up(PrimarySampleOf<F>& sample, M late) {
-    const U current = time_ - 1U;
+  /// Brings samples of the lanes of `late`, which make small steps, to the current state, one step before the
+  /// proposal. A sample older than the last large step, or never asked for, is uniform and independent of all
+  /// others, and the steps that it missed since would leave it so: it is drawn as of now.
+  template <class Steps>
+  MLT_INLINE void catch_up(PrimarySampleOf<F>& sample, M late, RngOf<F>& rng, Steps&& steps) const {
     if (const M forgotten = late & (sample.time < large_step_time_); any(forgotten)) {
-      sample.value = select(forgotten, rng_.next_fixed(forgotten), sample.value);
-      sample.time = select(forgotten, current, sample.time);
+      sample.value = select(forgotten, rng.next_fixed(forgotten), sample.value);
+      sample.time = select(forgotten, current_time_, sample.time);
     }
-    for (M behind = late; any(behind &= sample.time < current);) {
-      const U draws = rng_.next_fixed(behind);
+    for (M behind = late; any(behind &= sample.time < current_time_);) {
+      const U draws = rng.next_fixed(behind);
       sample.value = select(behind, sample.value + steps(draws, behind), sample.value);
       sample.time += mask_bits(behind) & 1U;
     }

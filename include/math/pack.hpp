@@ -26,16 +26,14 @@ inline constexpr std::array<std::uint64_t, 256> kChosenOf8Lanes = chosen_of_8_la
 }  // namespace detail
 #endif
 
-/// Moves the lanes of a mask, of any number of values, to lanes `first` and following, beyond the last one
-/// from lane 0 on. What the other lanes hold means nothing.
+/// Moves the lanes of a mask, of any number of values, to the first lanes, in order. What the other lanes
+/// hold means nothing.
 template <VectorType F>
 class LanePacking {
   using U = UintOf<F>;
 
  public:
-  MLT_INLINE LanePacking(MaskOf<F> lanes, std::uint32_t first)
-      : bits_(lanes_of(lanes)),
-        order_(permuted(chosen(), (lane_numbers<U>() - first) & (kLaneCount<F> - 1U))) {}
+  MLT_INLINE explicit LanePacking(MaskOf<F> lanes) : bits_(lanes_of(lanes)), order_(chosen()) {}
 
   MLT_INLINE std::uint32_t count() const { return static_cast<std::uint32_t>(std::popcount(bits_)); }
 

@@ -49,6 +49,7 @@ Step random_step(Rng& rng, std::uint32_t sums) {
 
 template <class Terms>
 void take(Terms& terms, V& sum, const Step& step) {
+  terms.begin_edge();
   if (step.free_only) {
     terms.add_if_free(sum, step.light, step.segment, {}, step.lanes);
   } else {

@@ -238,6 +238,83 @@ TEST_CASE("pitfall 18: the same film, bit for bit, when time ends just below 2^3
   });
 }
 
+/// A vector with a stream for each lane, past its first state.
+template <class F, std::size_t kCapacity>
+struct WideFixture {
+  std::vector<PrimarySampleOf<F>> samples = std::vector<PrimarySampleOf<F>>(kCapacity);
+  std::vector<ProposedSampleOf<F>> proposed = std::vector<ProposedSampleOf<F>>(kCapacity);
+  PrimarySampleVectorOf<F> vector;
+
+  WideFixture() : vector(samples, proposed, make_steps_of<F>(MutationKind::kelemen), 1) {
+    BootstrapSamplerOf<F> starts;
+    for (int lane = 0; lane < kLaneCount<F>; ++lane) {
+      const auto index = static_cast<std::uint64_t>(lane);
+      vector.set_lane(lane, Rng(19, StreamPurpose::kTest, index));
+      starts.set_lane(lane, BootstrapStreams(19, 64), index);
+    }
+    vector.begin_initial(starts);
+  }
+};
+
+template <class F>
+bool same_lanes(const F& a, const F& b, MaskOf<F> lanes) {
+  return !any(MaskOf<F>(lanes & (as_bits(a) != as_bits(b))));
+}
+
+/// Vertices of paths whose lanes end at different edges and sample light at some vertices, asked for at once
+/// and sample by sample.
+template <class F, bool kLightChoice, bool kLobeChoice>
+void check_vertices() {
+  constexpr std::uint32_t kVertices = 5;
+  constexpr std::size_t kCapacity = kVertices * 6;
+  WideFixture<F, kCapacity> at_once, one_by_one;
+  const auto vertex_of = [](auto& vector, MaskOf<F> lit, MaskOf<F> active) {
+    using Floats = FloatSamples<PrimarySampleVectorOf<F>, F>;
+    return static_cast<Floats&>(vector).template next_vertex<kLightChoice, kLobeChoice>(lit, active);
+  };
+  Rng masks(23, StreamPurpose::kTest, kLaneCount<F>);
+  const auto random_mask = [&](unsigned bits) { return mask_of<F>(bits >> (32 - kLaneCount<F>)); };
+  for (int proposal = 0; proposal < 2000; ++proposal) {
+    if (proposal > 0) {
+      const MaskOf<F> large_step = random_mask(masks.next_fixed() & masks.next_fixed());
+      at_once.vector.begin_proposal(large_step);
+      one_by_one.vector.begin_proposal(large_step);
+    }
+    MaskOf<F> active = not_in(MaskOf<F>{});
+    for (std::uint32_t i = 0; i < kVertices && any(active); ++i) {
+      const MaskOf<F> lit =
+          active & (masks.next_float() < 0.2f ? MaskOf<F>{} : random_mask(masks.next_fixed()));
+      const VertexSamples<F> a = at_once.vector.template next_vertex<kLightChoice, kLobeChoice>(lit, active);
+      const VertexSamples<F> b = vertex_of(one_by_one.vector, lit, active);
+      if (kLightChoice) REQUIRE(same_lanes<F>(a.light_choice, b.light_choice, lit));
+      REQUIRE(same_lanes<F>(a.light.x, b.light.x, lit));
+      REQUIRE(same_lanes<F>(a.light.y, b.light.y, lit));
+      if (kLobeChoice) REQUIRE(same_lanes<F>(a.lobe, b.lobe, active));
+      REQUIRE(same_lanes<F>(a.bsdf.x, b.bsdf.x, active));
+      REQUIRE(same_lanes<F>(a.bsdf.y, b.bsdf.y, active));
+      active &= random_mask(masks.next_fixed() | masks.next_fixed());
+    }
+    REQUIRE(all(at_once.vector.dimension() == one_by_one.vector.dimension()));
+    if (proposal == 0) {
+      at_once.vector.end_initial();
+      one_by_one.vector.end_initial();
+      continue;
+    }
+    const MaskOf<F> accepted = random_mask(masks.next_fixed());
+    for (auto* vector : {&at_once.vector, &one_by_one.vector}) {
+      vector->accept(accepted);
+      vector->reject(not_in(accepted));
+    }
+  }
+}
+
+TEST_CASE("a vertex's samples asked for at once are those asked for one by one") {
+  check_vertices<WideFloat, false, false>();
+  check_vertices<WideFloat, true, true>();
+  check_vertices<LaneFloat, true, false>();
+  check_vertices<float, false, true>();
+}
+
 TEST_CASE("asking for more samples than the integrator stated is a bug, not a silent drop") {
   for (const bool initial : {true, false}) {
     const ChildResult child = run_in_child([&] {

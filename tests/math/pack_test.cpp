@@ -24,19 +24,17 @@ void check_packing() {
   using U = UintOf<F>;
   const U values = lane_numbers<U>() * 7U + 3U;
   for (unsigned bits = 0; bits < 1U << kCount; ++bits) {
-    for (unsigned first = 0; first < kCount; ++first) {
-      const LanePacking<F> packing(mask_of<F>(bits), first);
-      const U packed = packing(values);
-      const F packed_floats = packing(as_floats(values));
-      unsigned place = first;
-      for (int lane = 0; lane < kCount; ++lane) {
-        if ((bits >> lane & 1U) == 0) continue;
-        const auto at = static_cast<int>(place++ % kCount);
-        REQUIRE(lane_of(packed, at) == lane_of(values, lane));
-        REQUIRE(as_bits(lane_of(packed_floats, at)) == lane_of(values, lane));
-      }
-      REQUIRE(packing.count() == place - first);
+    const LanePacking<F> packing(mask_of<F>(bits));
+    const U packed = packing(values);
+    const F packed_floats = packing(as_floats(values));
+    int place = 0;
+    for (int lane = 0; lane < kCount; ++lane) {
+      if ((bits >> lane & 1U) == 0) continue;
+      REQUIRE(lane_of(packed, place) == lane_of(values, lane));
+      REQUIRE(as_bits(lane_of(packed_floats, place)) == lane_of(values, lane));
+      ++place;
     }
+    REQUIRE(packing.count() == static_cast<unsigned>(place));
   }
 }
 
@@ -47,7 +45,7 @@ TEST_CASE("a mask is its bits and back") {
   CHECK_FALSE(mask_of<float>(0));
 }
 
-TEST_CASE("packing moves the lanes of any mask together, from any lane on") {
+TEST_CASE("packing moves the lanes of any mask together") {
   check_packing<kLanes>();
   check_packing<kWideLanes>();
 }
