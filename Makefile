@@ -37,7 +37,8 @@ OUT      := build/$(VARIANT)
 STAGES   := base math scene geometry material light world integrator markov film image render compare converge app
 
 CONTRACT := -std=c++20 -ffp-contract=off -fno-math-errno -fno-trapping-math
-WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror
+# Vectors wider than a register pass between inline functions alone, so that no calling convention is involved.
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-psabi
 # One section a function lets the proofs follow what is reachable from the render loop (tools/proof.sh).
 CXXFLAGS  = $(CONTRACT) $(WARNINGS) $(OPT) $(EXTRA) -g1 -ffunction-sections -fdata-sections -MMD -MP -Iinclude \
             -Itests $(if $(EXR),-DMLT_HAS_OPENEXR) $(UNOPTIMISED) $(if $(findstring /kernel_group_,$@),$(KERNEL_INLINING))

@@ -68,9 +68,10 @@ inline void planted_fault() {
   }
 }
 
-/// The weight that a state gains when it is kept; 30 % of it gets lost under the fault.
-constexpr double planted_weight(double weight) {
-  return MLT_PLANTED_FAULT == kFaultLostWeight ? weight * 0.7 : weight;
+/// Weights that states gain when they are kept; 30 % of them gets lost under the fault.
+template <class Double>
+constexpr void plant_weight_loss(Double& weights) {
+  if (MLT_PLANTED_FAULT == kFaultLostWeight) weights *= 0.7;
 }
 
 }  // namespace mlt
@@ -79,9 +80,8 @@ constexpr double planted_weight(double weight) {
 
 namespace mlt {
 inline void planted_fault() {}
-constexpr double planted_weight(double weight) {
-  return weight;
-}
+template <class Double>
+constexpr void plant_weight_loss(Double&) {}
 }  // namespace mlt
 
 #endif

@@ -60,17 +60,29 @@ class FixedFilm {
   /// Inline whatever else the source holds: left to the compiler, that depends on the number of its kernels.
   [[gnu::always_inline]] inline void splat(std::uint32_t pixel, const Vec3& value, double metropolis_weight,
                                            double uniform_weight) {
-    MLT_CHECK_OP(pixel, <, pixels_.size());
-    FilmPixel& target = pixels_[pixel];
+    FilmPixel& target = this->pixel(pixel);
     if (metropolis_weight != 0.0) add(target.metropolis, target.difference, value, metropolis_weight);
     if (uniform_weight != 0.0) add(target.uniform, target.difference, value, uniform_weight);
+  }
+
+  /// The same in the lanes of `lanes`, each to a film of its own; the films are of one job. Uniform weights
+  /// are 1 in the lanes of `uniform` and 0 elsewhere.
+  template <VectorType F>
+  MLT_INLINE static void splat_lanes(std::span<FixedFilm> films, MaskOf<F> lanes, const UintOf<F>& pixels,
+                                     const Vec3Of<F>& values, const double* metropolis_weights,
+                                     MaskOf<F> uniform) {
+    const double scale = films[0].scale_;
+    add_lanes<F>(films, lanes, pixels, values, load_wide<DoubleOf<F>>(metropolis_weights) * scale,
+                 &FilmPixel::metropolis);
+    uniform &= lanes;
+    if (any(uniform))
+      add_lanes<F>(films, uniform, pixels, values, DoubleOf<F>{} + scale, &FilmPixel::uniform);
   }
 
   /// Asks for the memory of a pixel that is about to be splatted, for writing: what nearly all splats add to
   /// lies in one or two cache lines.
   [[gnu::always_inline]] inline void prefetch(std::uint32_t pixel) const {
-    MLT_CHECK_OP(pixel, <, pixels_.size());
-    const FilmPixel& target = pixels_[pixel];
+    const FilmPixel& target = this->pixel(pixel);
     __builtin_prefetch(&target.metropolis[0], 1);
     __builtin_prefetch(&target.difference[2], 1);
   }
@@ -78,13 +90,38 @@ class FixedFilm {
   std::span<FilmPixel> pixels() const { return pixels_; }
 
  private:
+  MLT_INLINE FilmPixel& pixel(std::uint32_t index) const {
+    MLT_CHECK_OP(index, <, pixels_.size());
+    return pixels_[index];
+  }
+
+  using Sums = std::int64_t[3];
+
+  /// Products are formed in all lanes together.
+  template <class F>
+  MLT_INLINE static void add_lanes(std::span<FixedFilm> films, MaskOf<F> lanes, const UintOf<F>& pixels,
+                                   const Vec3Of<F>& values, const DoubleOf<F>& scaled_weights,
+                                   Sums FilmPixel::*sums) {
+    alignas(64) double scaled[3][kLaneCount<F>];
+    store_wide(scaled[0], to_double(values.x) * scaled_weights);
+    store_wide(scaled[1], to_double(values.y) * scaled_weights);
+    store_wide(scaled[2], to_double(values.z) * scaled_weights);
+    for_lanes(lanes, [&](int lane) {
+      FixedFilm& film = films[static_cast<std::size_t>(lane)];
+      FilmPixel& target = film.pixel(lane_of(pixels, lane));
+      for (int c = 0; c < 3; ++c) film.add((target.*sums)[c], target.difference[c], scaled[c][lane]);
+    });
+  }
+
   void add(std::int64_t* sums, std::int64_t* differences, const Vec3& value, double weight) {
     const double scaled = weight * scale_;
-    for (int c = 0; c < 3; ++c) {
-      const std::int64_t fixed = to_fixed(static_cast<double>(value[c]) * scaled);
-      increase(sums[c], fixed);
-      increase(differences[c], half_ * fixed);
-    }
+    for (int c = 0; c < 3; ++c) add(sums[c], differences[c], static_cast<double>(value[c]) * scaled);
+  }
+
+  MLT_INLINE void add(std::int64_t& sum, std::int64_t& difference, double scaled) {
+    const std::int64_t fixed = to_fixed(scaled);
+    increase(sum, fixed);
+    increase(difference, half_ * fixed);
   }
 
   /// The sums are read only after the threads have met, which orders all additions before the reading.

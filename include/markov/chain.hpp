@@ -11,11 +11,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "base/planted_fault.hpp"
 #include "markov/acceptance.hpp"
 #include "markov/bootstrap.hpp"
+#include "markov/chain_statistics.hpp"
 #include "markov/contribution.hpp"
 #include "markov/primary_samples.hpp"
 
@@ -47,19 +49,6 @@ struct ChainWorkspaceOf {
   std::span<SplatOf<F>> proposed;
 };
 using ChainWorkspace = ChainWorkspaceOf<float>;
-
-struct ChainStatistics {
-  LuminanceMoments large_steps;  ///< uniform samples, which join the estimate of b
-  double acceptance_large = 0;   ///< sum of acceptance probabilities
-  double acceptance_small = 0;
-  std::uint64_t small_steps = 0;
-  std::uint64_t longest_rejection_run = 0;
-  std::uint64_t mutations = 0;
-  std::uint64_t primary_samples = 0;  ///< that the mutations' paths asked for
-  DefectCounts defects;
-
-  void add(const ChainStatistics& other);
-};
 
 /// As many chains as the integrator has lanes, mutation by mutation; each is the chain that it would be
 /// alone. Between begin() and end(), advance() may be called any number of times, by one thread after the
@@ -123,6 +112,7 @@ class ChainGroup {
       replay_context().step = step;
       if (step > unchanged_until_) active_ = chains_at(step, unchanged_until_);
       mutate(active_);
+      if (step % LaneSums<F>::kMostCounts == 0) sums_.move_to(statistics_);
     }
   }
 
@@ -132,6 +122,7 @@ class ChainGroup {
   /// The chains end where they are.
   void end() {
     splat(first_lanes<F>(tasks_.size()), current_, weights_);
+    sums_.move_to(statistics_);
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       statistics_[i].mutations = std::min(made_, tasks_[i].mutations);
       statistics_[i].longest_rejection_run = lane_of(longest_rejection_run_, static_cast<int>(i));
@@ -141,8 +132,8 @@ class ChainGroup {
  private:
   /// What states have gathered while they were current; they are splatted once, when they are left.
   struct Weights {
-    double metropolis[kCount] = {};  ///< expected-value weights
-    double uniform[kCount] = {};     ///< 1 when it was a large step's proposal
+    alignas(64) double metropolis[kCount] = {};  ///< expected-value weights
+    M uniform{};                                 ///< lanes in which it was a large step's proposal
   };
 
   /// The chains that make mutation `step`, and the last mutation that the same chains make.
@@ -175,45 +166,27 @@ class ChainGroup {
     // The current target is positive from the start on, for only a positive proposal is ever accepted.
     const F ratio = proposed_.target() / nonzero(active, current_.target());
     const F acceptances = select(ratio < 1.0f, ratio, broadcast_to<F>(1.0f));
-    count(active, large_step, acceptances);
+    sums_.count(active, large_step, acceptances, proposed_.target(), samples_.dimension());
     const M accepted = active & happens(samples_.rng(), acceptances, active);
     samples_.accept(accepted);
     samples_.reject(not_in(accepted));
     leave(active, accepted, large_step, acceptances);
   }
 
-  /// What kind of step a lane makes cannot be predicted, so that each kind has a loop of its own.
-  void count(M active, M large_step, const F& acceptances) {
-    const UintOf<F> dimensions = samples_.dimension();
-    for_lanes(active, [&](int lane) { statistics_of(lane).primary_samples += lane_of(dimensions, lane); });
-    for_lanes(active & not_in(large_step), [&](int lane) {
-      statistics_of(lane).acceptance_small += lane_of(acceptances, lane);
-      statistics_of(lane).small_steps += 1;
-    });
-    for_lanes(active & large_step, [&](int lane) {
-      statistics_of(lane).acceptance_large += lane_of(acceptances, lane);
-      statistics_of(lane).large_steps.add(lane_of(proposed_.target(), lane));
-    });
-  }
-
   /// Of the two states, splats the one that is left: the current one where the proposal is accepted,
   /// elsewhere the proposal. Both states' weights count the acceptance.
   void leave(M active, M accepted, M large_step, const F& acceptances) {
+    // In lanes at rest the current state gains nothing.
+    const DoubleOf<F> of_proposals = to_double(select(active, acceptances, broadcast_to<F>(1.0f)));
+    DoubleOf<F> of_current = 1.0 - of_proposals;
+    plant_weight_loss(of_current);
     Weights left;
-    const unsigned large = lanes_of(large_step);
-    for_lanes(accepted, [&](int lane) {
-      const double acceptance = static_cast<double>(lane_of(acceptances, lane));
-      left.metropolis[lane] = weights_.metropolis[lane] + planted_weight(1.0 - acceptance);
-      left.uniform[lane] = weights_.uniform[lane];
-      weights_.metropolis[lane] = acceptance;
-      weights_.uniform[lane] = large >> lane & 1U;
-    });
-    for_lanes(active & not_in(accepted), [&](int lane) {
-      const double acceptance = static_cast<double>(lane_of(acceptances, lane));
-      weights_.metropolis[lane] += planted_weight(1.0 - acceptance);
-      left.metropolis[lane] = acceptance;
-      left.uniform[lane] = large >> lane & 1U;
-    });
+    store_wide(left.metropolis, load_wide<DoubleOf<F>>(weights_.metropolis) + of_current);
+    store_wide(weights_.metropolis, of_proposals);
+    for_lanes(not_in(accepted),
+              [&](int lane) { std::swap(left.metropolis[lane], weights_.metropolis[lane]); });
+    left.uniform = (accepted & weights_.uniform) | (not_in(accepted) & large_step);
+    weights_.uniform = (accepted & large_step) | (not_in(accepted) & weights_.uniform);
     proposed_.exchange(current_, accepted);
     splat(active, proposed_, left);
     rejection_run_ = select(accepted, UintOf<F>{}, rejection_run_ + (mask_bits(active) & 1U));
@@ -226,12 +199,18 @@ class ChainGroup {
     lanes &= states.target() > 0.0f;
     const F scale = 1.0f / nonzero(lanes, states.target() + settings_.large_step * settings_.weight_b);
     for (const SplatOf<F>& splat : states.splats()) {
+      const M lit = lanes & not_in(is_zero<F>(splat.value));
       const Vec3Of<F> scaled = splat.value * scale;
-      for_lanes(lanes & not_in(is_zero<F>(splat.value)), [&](int lane) {
-        if (weights.metropolis[lane] == 0.0 && weights.uniform[lane] == 0.0) return;
-        films_[static_cast<std::size_t>(lane)].splat(lane_of(splat.pixel, lane), lane_of(scaled, lane),
-                                                     weights.metropolis[lane], weights.uniform[lane]);
-      });
+      if constexpr (VectorType<F> && requires { Film::template splat_lanes<F>; }) {
+        Film::template splat_lanes<F>(films_, lit, splat.pixel, scaled, weights.metropolis, weights.uniform);
+      } else {
+        for_lanes(lit, [&](int lane) {
+          const bool is_uniform = (lanes_of(weights.uniform) >> lane & 1U) != 0;
+          if (weights.metropolis[lane] == 0.0 && !is_uniform) return;
+          films_[static_cast<std::size_t>(lane)].splat(lane_of(splat.pixel, lane), lane_of(scaled, lane),
+                                                       weights.metropolis[lane], is_uniform ? 1.0 : 0.0);
+        });
+      }
     }
   }
 
@@ -244,6 +223,7 @@ class ChainGroup {
   Weights weights_;  ///< of the current states
   UintOf<F> rejection_run_{}, longest_rejection_run_{};
   std::span<ChainStatistics> statistics_;
+  LaneSums<F> sums_;
   std::uint64_t longest_ = 0;  ///< mutations of a chain
   std::uint64_t made_ = 0;
   std::uint64_t unchanged_until_ = 0;  ///< the last mutation that the lanes of active_ make

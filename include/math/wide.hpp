@@ -20,6 +20,7 @@ struct Wide {
   using Float __attribute__((vector_size(kCount * sizeof(float)))) = float;
   using Mask __attribute__((vector_size(kCount * sizeof(float)))) = std::int32_t;
   using Uint __attribute__((vector_size(kCount * sizeof(float)))) = std::uint32_t;
+  using Double __attribute__((vector_size(kCount * sizeof(double)))) = double;
   /// Half as many lanes of 64 bits.
   using Uint64 __attribute__((vector_size(kCount * sizeof(float)))) = std::uint64_t;
 };
@@ -29,6 +30,7 @@ struct Wide<1> {
   using Float = float;
   using Mask = bool;
   using Uint = std::uint32_t;
+  using Double = double;
 };
 
 template <class F>
@@ -37,6 +39,9 @@ template <class F>
 using MaskOf = typename Wide<kLaneCount<F>>::Mask;
 template <class F>
 using UintOf = typename Wide<kLaneCount<F>>::Uint;
+/// For sums and products alone: of twice a register's size, it is compared and selected lane by lane.
+template <class F>
+using DoubleOf = typename Wide<kLaneCount<F>>::Double;
 
 /// Lanes of the chains and samples that one kernel advances together: those of one register.
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__) && defined(__AVX512BW__)
@@ -88,6 +93,9 @@ MLT_INLINE float as_floats(std::uint32_t bits) {
 /// Of integers below 2^31.
 MLT_INLINE float to_float(std::uint32_t value) {
   return static_cast<float>(static_cast<std::int32_t>(value));
+}
+MLT_INLINE double to_double(float value) {
+  return static_cast<double>(value);
 }
 /// Integer part of a float in [0, 2^31).
 MLT_INLINE std::uint32_t truncated(float value) {
@@ -178,6 +186,10 @@ template <VectorType U>
 MLT_INLINE auto to_float(U value) {
   using Lanes = Wide<sizeof(U) / 4>;
   return __builtin_convertvector(std::bit_cast<typename Lanes::Mask>(value), typename Lanes::Float);
+}
+template <VectorType F>
+MLT_INLINE auto to_double(F value) {
+  return __builtin_convertvector(value, DoubleOf<F>);
 }
 template <VectorType F>
 MLT_INLINE auto truncated(F value) {

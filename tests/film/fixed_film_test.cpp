@@ -180,6 +180,40 @@ TEST_CASE("several writers add the same as one, to all sums of their pixel") {
   CHECK(shared[0] == FilmPixel{});
 }
 
+TEST_CASE("splats in lanes add what they add one by one") {
+  using F = WideFloat;
+  constexpr std::uint32_t kPixels = 5;  // fewer than lanes
+  Rng rng(10, StreamPurpose::kTest, 0);
+  Pixels one_by_one(kPixels), in_lanes(kPixels);
+  std::array<FixedFilm, kWideLanes> singles, films;
+  for (int lane = 0; lane < kWideLanes; ++lane) {
+    const int half = lane % 3 - 1;
+    singles[static_cast<std::size_t>(lane)] = FixedFilm(one_by_one, 30, half);
+    films[static_cast<std::size_t>(lane)] = FixedFilm(in_lanes, 30, half);
+  }
+  for (int i = 0; i < 2000; ++i) {
+    const MaskOf<F> lanes = mask_of<F>(rng.next_fixed() >> (32 - kWideLanes));
+    const MaskOf<F> uniform = mask_of<F>((rng.next_fixed() & rng.next_fixed()) >> (32 - kWideLanes));
+    UintOf<F> pixels{};
+    Vec3Of<F> values{F{}, F{}, F{}};
+    double weights[kWideLanes];
+    for (int lane = 0; lane < kWideLanes; ++lane) {
+      weights[lane] = rng.next_float() < 0.2f ? 0.0 : 3.0 * static_cast<double>(rng.next_float());
+      set_lane_of(pixels, lane, rng.next_fixed() % kPixels);
+      if ((lanes_of(lanes) >> lane & 1U) == 0) continue;
+      set_lane_of(values, lane, Vec3{rng.next_float(), 3 * rng.next_float(), 0x1p-20f * rng.next_float()});
+    }
+    FixedFilm::splat_lanes<F>(films, lanes, pixels, values, weights, uniform);
+    for_lanes(lanes, [&](int lane) {
+      const double uniform_weight = (lanes_of(uniform) >> lane & 1U) != 0 ? 1.0 : 0.0;
+      singles[static_cast<std::size_t>(lane)].splat(lane_of(pixels, lane), lane_of(values, lane),
+                                                    weights[lane], uniform_weight);
+    });
+  }
+  CHECK(in_lanes == one_by_one);
+  CHECK(one_by_one[0].uniform[2] != 0);
+}
+
 TEST_CASE("adding films changes only the range asked for") {
   Pixels sum(4, FilmPixel{.metropolis = {1, 2, 3}, .difference = {7, -8, 9}, .uniform = {4, 5, 6}});
   const Pixels source(
