@@ -17,7 +17,7 @@ cases=("${@:4}")
 cd "$(dirname "$0")/.."
 budget=64
 replicates=4
-pilots=16
+pilots=64
 
 tools/auto_scenes.sh "$out/scenes"
 mapfile -t scenes < <(grep -vE '^(#|$)' ref_images/256/INDEX.txt | cut -d' ' -f1)

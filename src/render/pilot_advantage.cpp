@@ -8,16 +8,16 @@
 namespace mlt {
 namespace {
 
-/// Processor time a primary sample, of PSSMLT over the path tracer: 1.0 to 1.3 on six scenes where light is
-/// hard to find, the bootstrap included (docs/RESULTS.md). What else a path costs is in proportion to its
-/// primary samples.
-constexpr double kChainCost = 1.2;
+/// Processor time a primary sample, of PSSMLT over the path tracer: 0.87 to 1.05 on six scenes where light is
+/// hard to find, the bootstrap included (docs/RESULTS.md), and a little more, for most pilots miss some
+/// errors of chains. What else a path costs is in proportion to its primary samples.
+constexpr double kChainCost = 1.1;
 /// The same of materials with several lobes, whose paths differ most in length: chains' lanes wait for the
 /// longest, while the path tracer's are moved together.
-constexpr double kChainCostOfLobes = 1.5;
-/// There most pilots' chains have not met the brightest caustics: the error of whole jobs is so many times
+constexpr double kChainCostOfLobes = 1.4;
+/// There most pilots' chains have not met the brightest caustics: the error of whole jobs is 0.9 to 2.7 times
 /// what they show.
-constexpr double kUnseenOfLobes = 1.6;
+constexpr double kUnseenOfLobes = 1.5;
 /// Neighbours in how many rows and columns on each side tell a pixel's radiance.
 constexpr std::size_t kFarReach = 8;
 constexpr std::size_t kNearReach = 2;
