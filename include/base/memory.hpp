@@ -62,8 +62,9 @@ class MemoryPlan {
 /// One anonymous mapping with every page present, zero filled. Not copyable; unmapped on destruction.
 class Arena {
  public:
-  /// Throws ResourceError when the system refuses the memory.
-  explicit Arena(const MemoryPlan& plan);
+  /// With a `host`, which must outlive it, an arena lies over the host's scratch and render blocks, whatever
+  /// they hold, if there is room for all of it. Throws ResourceError when the system refuses the memory.
+  explicit Arena(const MemoryPlan& plan, const Arena* host = nullptr);
   ~Arena();
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
@@ -89,10 +90,13 @@ class Arena {
   std::size_t bytes() const { return size_; }
 
  private:
+  void map();
   void* take_line(std::size_t line, std::size_t item_bytes);
   std::vector<PlanLine> lines_;
   std::byte* base_ = nullptr;
   std::size_t size_ = 0;
+  std::size_t shared_start_ = 0;  ///< of scratch and render blocks
+  bool is_mapped_ = false;        ///< of its own, not in a host
 };
 
 }  // namespace mlt

@@ -102,7 +102,7 @@ struct RenderJob {
   std::size_t memory_limit = 0;
   std::size_t film_memory = 0;  ///< without influence on the image
   bool hash_film = true;        ///< false: the statistics' film hash stays empty, which saves its time
-  bool estimate_error = true;   ///< false: so does its error; chains' variances() are known all the same
+  bool estimate_error = true;   ///< false: so does its error; chains' variances are known all the same
 };
 
 /// The integrator of `request` must be chosen. Throws InputError (the option's name as file) when a value is

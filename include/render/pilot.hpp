@@ -62,12 +62,8 @@ struct PilotFinding {
   double cpu_seconds = 0;
 };
 
-/// `image` in width x height pixels, not more than it has: the means of those that lie in each.
-ImageBuffer reduced_image(const ImageView& image, std::uint32_t width, std::uint32_t height);
-
 /// Work that the path tracer needs over that of PSSMLT for the same relMSE, in a scene of materials with
-/// several lobes or without. Both images show the same; the path tracer's has not more pixels in either
-/// direction, and errors are compared at its pixels.
+/// several lobes or without. Both images show the same, in equally many pixels.
 double pilot_advantage(const PilotRender& path, const PilotRender& pssmlt, bool several_lobes = false);
 
 /// Error of `a` over that of `b`, whose films have equally many pixels.

@@ -63,10 +63,12 @@ class Renderer {
  public:
   /// Computes the memory plan and checks it against the job's limit. `scene` must outlive prepare().
   Renderer(const SceneDescription& scene, const RenderJob& job);
-  /// A guest: renders the scene that `host` has compiled, by the host's threads, which saves the time and the
-  /// memory of both. Its film shows the host's view, in pixels that need not be square. The host must be
-  /// prepared, outlive the guest and have a job of the same instruction set; only one of the two may run.
-  Renderer(const Renderer& host, const RenderJob& job);
+  /// A guest: renders the scene that `host` has compiled, by the host's threads and, where it fits, in the
+  /// memory of the host's film, which saves the time and the memory of both. Its film shows the host's view,
+  /// in pixels that need not be square. The host must be prepared, outlive the guest and have a job of the
+  /// same instruction set. Of the two, the one that was prepared or restarted last may run and shows what it
+  /// has rendered.
+  Renderer(Renderer& host, const RenderJob& job);
   ~Renderer();
 
   const MemoryPlan& memory_plan() const;
@@ -78,15 +80,15 @@ class Renderer {
   /// `stop` is looked at before each chain or pixel block; `progress` may be null.
   RenderStatistics run(const std::atomic<bool>& stop, ProgressCallback progress, void* context);
   /// Empties the film, for another run() of the same job with another seed and another edge at which roulette
-  /// begins; it cannot be switched on or off.
+  /// begins; it cannot be switched on or off. Ends what a guest or the host has rendered.
   void restart(std::uint64_t seed, std::uint32_t roulette);
   /// Valid after run() until restart() or until the renderer is destroyed.
   ImageView image() const;
   /// Estimated standard errors of the image's channels; zero where they are not known. Each pixel's variance
   /// is the mean over its 5 x 5 neighbours, since that of one pixel comes from a single difference.
   ImageBuffer standard_errors() const;
-  /// Their squares, without that mean: single squared differences, whose sums over pixels alone tell much.
-  ImageBuffer variances() const;
+  /// Of pixel `index`, without that mean: single squared differences, whose sums over pixels alone tell much.
+  Vec3 variance(std::size_t index) const;
 
  private:
   struct State;

@@ -45,7 +45,21 @@ std::size_t MemoryPlan::total_bytes() const {
   return bytes(Lifetime::kScene) + std::max(bytes(Lifetime::kScratch), bytes(Lifetime::kRender));
 }
 
-Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan.total_bytes(), kPage)) {
+Arena::Arena(const MemoryPlan& plan, const Arena* host)
+    : lines_(plan.lines()),
+      size_(std::max(plan.total_bytes(), kPage)),
+      shared_start_(plan.bytes(Lifetime::kScene)) {
+  for (PlanLine& line : lines_) {
+    if (line.lifetime != Lifetime::kScene) line.offset += shared_start_;
+  }
+  if (host != nullptr && size_ <= host->size_ - host->shared_start_) {
+    base_ = host->base_ + host->shared_start_;
+  } else {
+    map();
+  }
+}
+
+void Arena::map() {
   void* mapping = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapping == MAP_FAILED) {
     throw ResourceError("the system refused " + std::to_string(size_) + " bytes of memory");
@@ -60,14 +74,11 @@ Arena::Arena(const MemoryPlan& plan) : lines_(plan.lines()), size_(std::max(plan
     static_cast<volatile char*>(mapping)[offset] = 0;
   }
   base_ = static_cast<std::byte*>(mapping);
-  const std::size_t shared_start = plan.bytes(Lifetime::kScene);
-  for (PlanLine& line : lines_) {
-    if (line.lifetime != Lifetime::kScene) line.offset += shared_start;
-  }
+  is_mapped_ = true;
 }
 
 Arena::~Arena() {
-  ::munmap(base_, size_);
+  if (is_mapped_) ::munmap(base_, size_);
 }
 
 void* Arena::take_line(std::size_t line, std::size_t item_bytes) {

@@ -98,8 +98,11 @@ PilotRender render_round(Renderer& renderer, const RenderJob& job, const RenderJ
   const bool metropolis = job.integrator == IntegratorKind::pssmlt;
   const double pixels = static_cast<double>(job.width) * job.height;
   PilotRender round;
-  round.image = reduced_image(renderer.image(), path_settings.width, path_settings.height);
-  round.variances = reduced_image(renderer.variances().view(), path_settings.width, path_settings.height);
+  const auto reduced = [&](const auto& pixel_at) {
+    return reduced_image(job.width, job.height, pixel_at, path_settings.width, path_settings.height);
+  };
+  round.image = reduced([image = renderer.image()](std::size_t i) { return image.pixels[i]; });
+  round.variances = reduced([&renderer](std::size_t i) { return renderer.variance(i); });
   round.per_pixel =
       metropolis ? static_cast<double>(job.mutations) / pixels : static_cast<double>(job.samples_per_pixel);
   round.paths = static_cast<double>(metropolis ? statistics.mutations : statistics.samples);
@@ -108,10 +111,11 @@ PilotRender render_round(Renderer& renderer, const RenderJob& job, const RenderJ
   return round;
 }
 
-/// Adds round number `index`. One without light is black, and counts.
-void add_round(PilotRender& mean, const PilotRender& round, std::uint64_t index) {
+/// Adds round number `index`. One without light is black, and counts. By value, so that its images go before
+/// the next are made.
+void add_round(PilotRender& mean, PilotRender round, std::uint64_t index) {
   if (index == 0) {
-    mean = round;
+    mean = std::move(round);
     return;
   }
   const float share = 1.0f / static_cast<float>(index + 1);
@@ -166,7 +170,7 @@ void compare(const SceneDescription& scene, const RenderRequest& request, double
       if (roulette == kEarlyRouletteEdge) path_round = std::move(early);
     }
     chain_renderer.restart(seed, roulette);
-    add_round(path, path_round, round);
+    add_round(path, std::move(path_round), round);
     add_round(pssmlt, render_round(chain_renderer, chain_settings, path_settings, stop, finding), round);
     if (!path.found_light || !pssmlt.found_light) continue;
     finding.advantage =

@@ -36,17 +36,12 @@ std::vector<CodeRange> code_of_other_sets(InstructionSet used) {
 struct EstimateContext;
 
 struct Renderer::State {
-  State(const SceneDescription& description, const RenderJob& job)
-      : scene(description), counts(count_world(description)), plan(counts, job), pool(own_pool) {
-    plan.require_within_limit(counts);
-  }
-
-  State(State& other, const RenderJob& job)
-      : scene(other.scene),
-        counts(other.counts),
-        plan(counts, job, &other.plan),
-        host(&other),
-        pool(other.pool) {
+  /// A guest has a `host`.
+  State(const SceneDescription& description, const RenderJob& job, State* host = nullptr)
+      : home(host != nullptr ? *host : *this),
+        scene(description),
+        counts(host != nullptr ? host->counts : count_world(description)),
+        plan(counts, job, host != nullptr ? &host->plan : nullptr) {
     plan.require_within_limit(counts);
   }
 
@@ -62,17 +57,20 @@ struct Renderer::State {
   void estimate();
   static void report_progress(void* state);
   void compile();
+  void take_storage();
+  bool is_guest() const { return &home != this; }
+  bool has_film() const { return home.tenant == this; }
 
+  State& home;                    ///< its own scene, threads and memory, or of a guest the host's
+  const State* tenant = nullptr;  ///< whose film is in this home's memory for films
   const SceneDescription& scene;
   WorldCounts counts;
   JobPlan plan;
-  const State* host = nullptr;  ///< of a guest
-
   std::unique_ptr<Arena> arena;
   World world;
   RenderStorage storage;
   WorkerPool own_pool;  // after the arena, whose stacks its threads run on until they are joined
-  WorkerPool& pool;     ///< the host's, of a guest
+  WorkerPool& pool = home.own_pool;
 
   // One run
   const std::atomic<bool>* stop = nullptr;
@@ -272,9 +270,9 @@ void Renderer::State::estimate() {
 Renderer::Renderer(const SceneDescription& scene, const RenderJob& job)
     : state_(std::make_unique<State>(scene, job)) {}
 
-Renderer::Renderer(const Renderer& host, const RenderJob& job)
-    : state_(std::make_unique<State>(*host.state_, job)) {
-  MLT_CHECK(host.state_->arena != nullptr && host.state_->host == nullptr);
+Renderer::Renderer(Renderer& host, const RenderJob& job)
+    : state_(std::make_unique<State>(host.state_->scene, job, host.state_.get())) {
+  MLT_CHECK(host.state_->arena != nullptr && !host.state_->is_guest());
   MLT_CHECK(host.state_->plan.job.instruction_set == job.instruction_set);
 }
 
@@ -297,24 +295,30 @@ FeatureMask Renderer::features() const {
 }
 
 void Renderer::State::compile() {
-  if (host == nullptr) {
+  if (!is_guest()) {
     prefault_process(code_of_other_sets(plan.job.instruction_set));
     pool.start(arena->take(plan.slots.stacks), arena->take(plan.slots.threads));
     world = kernel_set(plan.job.instruction_set)
                 .compile_world(scene, counts, plan.job.width, plan.job.height, *arena, plan.slots.world,
                                pool.runner());
   } else {
-    world = host->world;
-    world.camera = host->world.camera.resized(plan.job.width, plan.job.height);
+    world = home.world;
+    world.camera = home.world.camera.resized(plan.job.width, plan.job.height);
   }
   storage.world = &world;
 }
 
+void Renderer::State::take_storage() {
+  plan.take_storage(*arena, storage);
+  home.tenant = this;
+}
+
 void Renderer::prepare() {
   State& state = *state_;
-  state.arena = std::make_unique<Arena>(state.plan.memory);
+  MLT_CHECK(state.arena == nullptr);
+  state.arena = std::make_unique<Arena>(state.plan.memory, state.home.arena.get());
   state.compile();
-  state.plan.take_storage(*state.arena, state.storage);
+  state.take_storage();
 }
 
 void Renderer::restart(std::uint64_t seed, std::uint32_t roulette) {
@@ -322,7 +326,7 @@ void Renderer::restart(std::uint64_t seed, std::uint32_t roulette) {
   MLT_CHECK(state.arena != nullptr && (roulette == 0) == (state.plan.job.roulette == 0));
   state.plan.job.seed = seed;
   state.plan.job.roulette = roulette;
-  state.plan.take_storage(*state.arena, state.storage);
+  state.take_storage();
   state.storage.bootstrap_luminance = {};
   state.storage.round = 0;
   state.storage.left_early = false;
@@ -333,7 +337,7 @@ void Renderer::restart(std::uint64_t seed, std::uint32_t roulette) {
 
 RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback progress, void* context) {
   State& state = *state_;
-  MLT_CHECK(state.arena != nullptr);
+  MLT_CHECK(state.has_film());
   state.stop = &stop;
   state.storage.stop = &stop;
   state.progress = progress;
@@ -366,6 +370,7 @@ RenderStatistics Renderer::run(const std::atomic<bool>& stop, ProgressCallback p
 }
 
 ImageView Renderer::image() const {
+  MLT_CHECK(state_->has_film());
   return {state_->plan.job.width, state_->plan.job.height, state_->storage.image};
 }
 
@@ -381,19 +386,15 @@ ImageBuffer Renderer::standard_errors() const {
           smooth_standard_errors(differences, state.statistics.error.factor, job.width, job.height)};
 }
 
-ImageBuffer Renderer::variances() const {
+Vec3 Renderer::variance(std::size_t index) const {
   const State& state = *state_;
-  ImageBuffer image{state.plan.job.width, state.plan.job.height, std::vector<Vec3>(state.plan.pixel_count())};
+  MLT_CHECK(state.has_film());
   const bool is_known = state.plan.is_metropolis() ? state.has_parts() : state.statistics.error.known;
-  if (!is_known) return image;
-  const EstimateContext context = state.error_context();
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const PixelDifferences pixel = differences_of(context, i);
-    for (int c = 0; c < 3; ++c) {
-      image.pixels[i][c] = static_cast<float>(state.statistics.error.factor * pixel.halves[c]);
-    }
-  }
-  return image;
+  const PixelDifferences pixel = is_known ? differences_of(state.error_context(), index) : PixelDifferences{};
+  const auto channel = [&](int c) {
+    return static_cast<float>(state.statistics.error.factor * pixel.halves[c]);
+  };
+  return Vec3{channel(0), channel(1), channel(2)};
 }
 
 }  // namespace mlt

@@ -216,6 +216,21 @@ TEST_CASE("a film of 256 x 256 pixels and four threads take less than 16 MB in a
   if (MLT_FAULTS_ARE_OURS) CHECK(std::stoull(statistics.at("peak_memory_bytes")) < 16 << 20);
 }
 
+TEST_CASE("the largest pilot needs little more memory than a render") {
+  if (!MLT_FAULTS_ARE_OURS) return;
+  const SceneFolder folder;
+  const auto peak = [&folder](const std::string& integrator, const std::string& samples) {
+    const ProgramResult result =
+        folder.run({"render", "scene.txt", "--integrator", integrator, "--width", "256", "--height", "256",
+                    "--threads", "4", "--spp", samples, "--stats", "a.json", "-o", "a.png"});
+    REQUIRE(result.code == code_of(ExitCode::kOk));
+    return std::stoull(read_statistics(folder / "a.json").at("peak_memory_bytes"));
+  };
+  // More samples make no larger pilot. Its chains have a film of the job's size; four images of 15 kilopixels
+  // and what compares them take 1.1 MB, files that are resident in batches of pages the rest.
+  CHECK(peak("auto", "256") < peak("pssmlt", "1") + 1'500'000);
+}
+
 TEST_CASE("info prints what was read, features, and the plan with its total") {
   const SceneFolder folder;
   const ProgramResult result = folder.run(

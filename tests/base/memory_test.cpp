@@ -124,6 +124,36 @@ TEST_CASE("render blocks lie over scratch blocks and are initialised when first 
                     [](std::uint32_t word) { return word == 0xaaaaaaaaU; }));
 }
 
+TEST_CASE("a guest's arena lies over the host's render blocks if there is room") {
+  MemoryPlan plan;
+  const Slot<std::uint32_t> scene = plan.add<std::uint32_t>("scene", Lifetime::kScene, 16);
+  const Slot<char> film = plan.add<char>("film", Lifetime::kRender, 3 * kPage);
+  Arena host(plan);
+  const auto scene_block = host.take(scene);
+  for (std::uint32_t& word : scene_block) word = 0xaaaaaaaaU;
+  const auto film_block = host.take(film);
+  std::memset(film_block.data(), 1, film_block.size());
+  for (const std::size_t pages : {1U, 2U, 3U, 4U, 5U}) {
+    CAPTURE(pages);
+    MemoryPlan guest_plan;
+    const Slot<char> always = guest_plan.add<char>("image", Lifetime::kScene, 1);
+    const Slot<char> render = guest_plan.add<char>("film", Lifetime::kRender, (pages - 1) * kPage);
+    Arena guest(guest_plan, &host);
+    const auto image = guest.take(always);
+    const auto block = guest.take(render);
+    CHECK((image.data() == film_block.data()) == (pages <= 3));
+    CHECK(address(block.data()) == address(image.data()) + kPage);
+    CHECK(image[0] == 0);
+    std::memset(block.data(), 2, block.size());
+    CHECK(film_block.back() == (pages == 3 ? 2 : 1));
+    if (pages == 3) std::memset(film_block.data(), 1, film_block.size());
+  }
+  // The host's mapping outlives its guests.
+  film_block[0] = 3;
+  CHECK(std::all_of(scene_block.begin(), scene_block.end(),
+                    [](std::uint32_t word) { return word == 0xaaaaaaaaU; }));
+}
+
 TEST_CASE("an empty plan makes an arena") {
   const MemoryPlan plan;
   const Arena arena(plan);
