@@ -16,8 +16,8 @@ side_by_side=${3:-1}
 cases=("${@:4}")
 cd "$(dirname "$0")/.."
 budget=64
-replicates=4
-pilots=64
+replicates=8
+pilots=256
 
 tools/auto_scenes.sh "$out/scenes"
 mapfile -t scenes < <(grep -vE '^(#|$)' ref_images/256/INDEX.txt | cut -d' ' -f1)
