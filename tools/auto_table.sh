@@ -3,7 +3,7 @@
 # auto_scenes.sh its efficiency, pilot included, against that of both integrators, at 256 pixels on the
 # longer side and 64 samples or mutations a pixel.
 #   auto_table.sh MLT DIR [SIDE_BY_SIDE [CASE]...]
-# About an hour of one core. Each case has a folder DIR/CASE; what is complete is not made again. Then
+# About two hours of one core. Each case has a folder DIR/CASE; what is complete is not made again. Then
 # DIR/table.md holds the table, as Markdown.
 # The image of auto is that of the integrator it chooses, bit for bit. So both integrators are measured once,
 # by `mlt converge`, and auto costs what the chosen one does and its pilot, which `mlt info` runs for each of
@@ -16,7 +16,7 @@ side_by_side=${3:-1}
 cases=("${@:4}")
 cd "$(dirname "$0")/.."
 budget=64
-replicates=8
+replicates=16
 pilots=256
 
 tools/auto_scenes.sh "$out/scenes"
@@ -41,7 +41,11 @@ run_case() {
   local folder=$out/$1 scene=$out/scenes/$1.txt reference=ref_images/256/$1.pfm seed
   mkdir -p "$folder"
   if [ -e "$reference" ]; then
-    scene=$(awk -v name="$1" -v pilots=$pilots '$1 == name { print $2 }' ref_images/256/INDEX.txt)
+    scene=$(awk -v name="$1" '$1 == name { print $2 }' ref_images/256/INDEX.txt)
+    if [ ! -e "$scene" ]; then
+      echo "$scene: missing; make scenes"
+      return
+    fi
   else
     reference=$folder/reference.pfm
     [ -e "$reference" ] || make_reference "$1" "$scene"
@@ -66,34 +70,35 @@ for name in "${cases[@]}"; do
 done
 wait
 
-# One row. The work of an integrator is its median relMSE times its least processor seconds, for what other
-# programs do only adds to them; that of auto the mean over seeds of the chosen one's relMSE times the
-# seconds of both it and the pilot. Efficiency is 1 / work. Below a relMSE of 1e-9 the path tracer's error is
-# rounding, and only times are compared.
+# One row. The work of an integrator is its median relMSE times its median processor seconds: replicates of both
+# take turns, so that what other programs add, they add to both, as to pilots; that of auto the mean over seeds
+# of the chosen one's relMSE times the seconds of both it and the pilot. Efficiency is 1 / work. Below a relMSE
+# of 1e-9 the path tracer's error is rounding, and only times are compared.
 row() {
   awk -v name="$1" -v pilots=$pilots '
-    function median(m, n,  i, j, t) {
+    function median(what, m,  n, i, j, t) {
+      n = count[m]
       for (i = 2; i <= n; ++i)
-        for (j = i; j > 1 && value[m, j] < value[m, j - 1]; --j) {
-          t = value[m, j]; value[m, j] = value[m, j - 1]; value[m, j - 1] = t
+        for (j = i; j > 1 && value[what, m, j] < value[what, m, j - 1]; --j) {
+          t = value[what, m, j]; value[what, m, j] = value[what, m, j - 1]; value[what, m, j - 1] = t
         }
-      return n % 2 ? value[m, (n + 1) / 2] : (value[m, n / 2] + value[m, n / 2 + 1]) / 2
+      return (value[what, m, int((n + 1) / 2)] + value[what, m, int(n / 2) + 1]) / 2
     }
     FILENAME ~ /csv$/ && FNR == 1 { split($0, names, ","); for (i in names) column[names[i]] = i; next }
     FILENAME ~ /csv$/ {
       split($0, field, ",")
-      m = field[column["method"]]; value[m, ++count[m]] = field[column["rel_mse"]] + 0
-      t = field[column["cpu_seconds"]] + 0
-      if (!(m in least) || t < least[m]) least[m] = t
+      m = field[column["method"]]
+      value["error", m, ++count[m]] = field[column["rel_mse"]] + 0
+      value["time", m, count[m]] = field[column["cpu_seconds"]] + 0
       next
     }
     { ++choices[$1]; pilot += $2 / pilots }
     END {
-      e["path"] = median("path", count["path"]); e["pssmlt"] = median("pssmlt", count["pssmlt"])
+      for (m in count) { e[m] = median("error", m); time[m] = median("time", m) }
       exact = e["path"] < 1e-9
       if (exact) { e["path"] = 1; e["pssmlt"] = 1e9 }
       seeds = choices["path"] + choices["pssmlt"]
-      for (m in e) { work[m] = e[m] * least[m]; auto += choices[m] / seeds * e[m] * (least[m] + pilot) }
+      for (m in e) { work[m] = e[m] * time[m]; auto += choices[m] / seeds * e[m] * (time[m] + pilot) }
       best = work["path"] < work["pssmlt"] ? work["path"] : work["pssmlt"]
       ratio = exact ? "exact" : sprintf("%.3g", work["path"] / work["pssmlt"])
       printf "| %s | %s | %d of %d | %.2f s | %.2f |\n", name, ratio, choices["pssmlt"], seeds, pilot, \
