@@ -115,9 +115,11 @@ class Geometry {
   SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
 
   /// The same for each lane of `active`; nothing is known of other lanes. `leaves`, and that of `ends`, are
-  /// the primitives that rays leave from origin_towards(), or kNoPrimitive.
-  template <bool kGeneral, class F>
-  HitOf<F> intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves, const MaskOf<F>& active) const;
+  /// the primitives that rays leave from origin_towards(), or kNoPrimitive. Where rays take turns, the
+  /// `records` of primitives hit, if there are any, are asked for while other rays are on their way.
+  template <bool kGeneral, class F, class Record = std::byte>
+  HitOf<F> intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves, const MaskOf<F>& active,
+                           const Record* records = nullptr) const;
   template <bool kGeneral, class F>
   MaskOf<F> occluded_lanes(const RayOf<F>& ray, const SegmentEnds<F>& ends, const MaskOf<F>& active) const;
   template <bool kGeneral, class F>
@@ -141,8 +143,9 @@ class Geometry {
   std::span<const FlatList> lists_for_one() const {
     return quads_.block_count == 0 ? flat_lists_ : std::span<const FlatList>{};
   }
-  template <class F>
-  void intersect_triangles(const LaneRays<F>& rays, const MaskOf<F>& active, HitOf<F>& hits) const;
+  template <class F, class Record>
+  void intersect_triangles(const LaneRays<F>& rays, const MaskOf<F>& active, const Record* records,
+                           HitOf<F>& hits) const;
   template <class F>
   MaskOf<F> triangles_occlude(const LaneRays<F>& rays, const UintOf<F>& targets,
                               const MaskOf<F>& active) const;

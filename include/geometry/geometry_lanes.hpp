@@ -10,9 +10,9 @@
 namespace mlt {
 
 /// The closest hits of rays in the hierarchy of triangles, and of those that lists have found.
-template <class F>
+template <class F, class Record>
 MLT_NOINLINE void Geometry::intersect_triangles(const LaneRays<F>& rays, const MaskOf<F>& active,
-                                                HitOf<F>& hits) const {
+                                                const Record* records, HitOf<F>& hits) const {
   if (!takes_turns()) {
     for_lanes(active, [&](int lane) {
       BestHit best(lane_of(hits, lane), rays[lane].t_max);
@@ -36,6 +36,7 @@ MLT_NOINLINE void Geometry::intersect_triangles(const LaneRays<F>& rays, const M
       [&](Way & way) __attribute__((always_inline)) {
         if (way.best.template step<Fetch::ahead>(way.walk, triangles_, way.frame)) return true;
         set_lane_of(hits, way.lane, way.best.hit);
+        if (records != nullptr && way.best.hit.found()) __builtin_prefetch(records + way.best.hit.primitive);
         return false;
       });
 }
@@ -75,9 +76,9 @@ MLT_NOINLINE MaskOf<F> Geometry::triangles_occlude(const LaneRays<F>& rays, cons
   return blocked;
 }
 
-template <bool kGeneral, class F>
+template <bool kGeneral, class F, class Record>
 MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintOf<F>& leaves,
-                                                const MaskOf<F>& active) const {
+                                                const MaskOf<F>& active, const Record* records) const {
   HitOf<F> hits;
   MaskOf<F> alone = active;
   if constexpr (VectorType<F>) {
@@ -88,7 +89,7 @@ MLT_NOINLINE HitOf<F> Geometry::intersect_lanes(const RayOf<F>& ray, const UintO
         if (spheres_.block_count > 0)
           intersect_spheres<F>(spheres_.blocks, spheres_.block_count, ray, extent_, hits);
         const MaskOf<F> rest = active & not_in(alone);
-        if (triangles_.block_count > 0) intersect_triangles<F>(LaneRays<F>(ray, rest), rest, hits);
+        if (triangles_.block_count > 0) intersect_triangles<F>(LaneRays<F>(ray, rest), rest, records, hits);
       }
     }
   }

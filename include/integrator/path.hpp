@@ -126,8 +126,8 @@ class PathIntegrator {
     terms.begin_edge();
     M& active = paths.active;
     const RayOf<F>& ray = paths.ray;
-    const HitOf<F> hit =
-        world_.geometry.template intersect_lanes<kGeneralGeometry, F>(ray, paths.leaves, active);
+    const HitOf<F> hit = world_.geometry.template intersect_lanes<kGeneralGeometry, F>(
+        ray, paths.leaves, active, world_.primitives.data());
     active &= hit.found();
     if (!any(active)) return;
     const SurfacePointOf<F> point =
